@@ -1,0 +1,64 @@
+// Sources of particles: initial states from files and packings, streams and batches at run time.
+// Who calls it: scheduler/ (construction and the `insert` node). Invariants: I4 (own log/exp, counter-based random
+// numbers), I6 (its whole state is saved and restored), a batch is a function of scene, step and present particles.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/scene.hpp"
+
+namespace talus {
+
+/// Particles to append, in id order. All vectors have the same length.
+struct NewParticles {
+  std::vector<Vec3> x, v, w;          ///< [m], [m/s], [rad/s]
+  std::vector<double> r;              ///< [m]
+  std::vector<std::uint8_t> material;
+  std::vector<std::uint8_t> fixed;    ///< 1: frozen
+  std::vector<std::int16_t> group;    ///< index into scene.groups or -1
+  std::size_t size() const noexcept { return x.size(); }
+};
+
+/// Present particles as the engine stores them: positions as rows {x, y, z, r} of 4 doubles; dead rows have x > 1e100.
+struct PresentParticles {
+  std::span<const double> rows;
+  std::size_t size() const noexcept { return rows.size() / 4; }
+};
+
+class Insertion {
+ public:
+  explicit Insertion(const Scene& scene);
+  /// Particles of step 0: all file sources, then lattice/random sources with start <= 0, in scene order.
+  /// Errors: Error{scene} naming file and row for a particle outside the domain, a non-finite or non-positive value, an
+  /// overlap deeper than allowed (lists the first pairs), a pack that does not fit (says how many fitted).
+  NewParticles initial();
+  /// First step >= n at which a batch is due, or INT64_MAX.
+  std::int64_t next_step(std::int64_t n) const;
+  /// The batch of step n (may be empty where nothing fits yet); advances the state. No overlap with `present`, also
+  /// across periodic faces.
+  NewParticles batch(std::int64_t n, const PresentParticles& present);
+  std::int64_t inserted() const noexcept { return inserted_; }
+  /// All mutable state as bytes (checkpoint section "insertion") and back. Error{io} if it does not fit the scene.
+  std::vector<std::uint8_t> save() const;
+  void load(std::span<const std::uint8_t> bytes);
+  /// Smallest and largest radius that any source can ever deliver [m] (file sources are read) for dt and cell limits.
+  double smallest_radius() const;
+  double largest_radius() const;
+
+ private:
+  struct SourceState {
+    std::int64_t drawn = 0;    ///< counter of random draws (particle sizes and positions)
+    std::int64_t number = 0;   ///< delivered
+    double mass = 0;           ///< delivered [kg]
+    std::int64_t batches = 0;  ///< batches tried
+    double carry = 0;          ///< fraction of a particle (or kg) owed by a rate
+  };
+  const Scene scene_;
+  std::vector<SourceState> state_;
+  std::vector<NewParticles> files_;  ///< file sources, read once
+  std::int64_t inserted_ = 0;
+};
+
+}  // namespace talus

@@ -1,0 +1,68 @@
+// Checkpoint container: named binary sections with one xxh3 checksum each. File layout, little endian:
+// magic "TALUSCP1", uint32 section count, then per section {uint16 name length, name, uint64 size, uint64 xxh3, bytes},
+// then xxh3 of everything before. Written as PATH.tmp -> fsync -> rename -> fsync(directory), so that a reader sees the
+// old or the new file, never a torn one. Bytes hold no date, host, thread count or ISA (R2).
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "core/error.hpp"
+
+namespace talus {
+
+class CheckpointWriter {
+ public:
+  void add(std::string name, std::vector<std::uint8_t> bytes);
+  template <class T>
+  void add_array(std::string name, const T* data, std::size_t n) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::vector<std::uint8_t> b(n * sizeof(T));
+    if (n != 0) std::memcpy(b.data(), data, b.size());
+    add(std::move(name), std::move(b));
+  }
+  template <class T>
+  void add_value(std::string name, const T& v) { add_array(std::move(name), &v, 1); }
+  /// Writes atomically and durably. Error{io} names the path, the system's reason and leaves the old file untouched.
+  void commit(const std::string& path) const;
+
+ private:
+  std::vector<std::pair<std::string, std::vector<std::uint8_t>>> sections_;
+};
+
+class CheckpointReader {
+ public:
+  /// Reads and verifies everything before returning. Error{io}: missing, truncated, wrong magic or version, checksum.
+  explicit CheckpointReader(const std::string& path);
+  bool has(std::string_view name) const;
+  std::span<const std::uint8_t> section(std::string_view name) const;  ///< Error{io} if absent
+  template <class T, class C>
+  void read_array(std::string_view name, C& out) const {
+    auto s = section(name);
+    if (s.size() % sizeof(T) != 0) throw Error(ErrorCode::io, "section '" + std::string(name) + "' has a wrong size", path_);
+    out.resize(s.size() / sizeof(T));
+    if (!s.empty()) std::memcpy(out.data(), s.data(), s.size());
+  }
+  template <class T>
+  T read_value(std::string_view name) const {
+    auto s = section(name);
+    if (s.size() != sizeof(T)) throw Error(ErrorCode::io, "section '" + std::string(name) + "' has a wrong size", path_);
+    T v;
+    std::memcpy(&v, s.data(), sizeof(T));
+    return v;
+  }
+  const std::string& path() const noexcept { return path_; }
+
+ private:
+  std::string path_;
+  std::vector<std::uint8_t> bytes_;
+  std::map<std::string, std::span<const std::uint8_t>, std::less<>> sections_;
+};
+
+}  // namespace talus

@@ -1,0 +1,91 @@
+// Simulation: the engine's public face. Owns particles, lists, contacts, walls, sources and the step graph.
+// Who calls it: cases/talus.cpp, tests, perf. Only scheduler/*.cpp sees TBB.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/frame.hpp"
+#include "core/io/checkpoint.hpp"
+#include "core/scene.hpp"
+
+namespace talus {
+
+/// Cumulative counters of a run (not part of the trajectory unless noted).
+struct Counters {
+  std::int64_t steps = 0;              ///< executed by this object
+  std::int64_t rebuilds = 0;           ///< all list rebuilds
+  std::int64_t rebuilds_skin = 0;      ///< by the displacement check
+  std::int64_t rebuilds_forced = 0;    ///< by sort epochs, insertion, events, start
+  std::int64_t shortest_interval = 0;  ///< steps between two skin rebuilds
+  std::int64_t pairs = 0;              ///< candidate pairs in the present list (each once)
+  std::int64_t contacts = 0;           ///< touching pairs at the last step (each once)
+  std::int64_t wall_contacts = 0;
+  std::int64_t sort_epochs = 0;
+  std::int64_t inserted = 0, removed = 0;  ///< cumulative over the trajectory
+  double removed_mass = 0;             ///< [kg], cumulative over the trajectory
+  std::int64_t late_detections = 0, missed_contacts = 0;  ///< audit only
+  double border_contact_share = 0;     ///< contacts across chunk borders / contacts
+  std::vector<std::int64_t> interval_steps;  ///< step of each of the last rebuilds (up to 4096), for the report
+};
+
+/// One row of the profile.
+struct NodeTime {
+  std::string node;
+  std::int64_t calls = 0;
+  double seconds = 0;                  ///< summed over threads
+};
+
+/// What the step consists of; printed by `talus explain`.
+struct Plan {
+  struct Node { std::string name, why, reads, writes; bool in = false; };
+  struct Array { std::string name, why; double bytes_per_particle = 0; bool in = false; };
+  std::vector<Node> nodes;
+  std::vector<Array> arrays;
+  double bytes_per_particle = 0;       ///< arrays that are in, lists included (measured)
+  std::string law, isa, isa_why, policy;
+  int threads = 0, chunk = 0, chunks = 0;
+  std::string graph;                   ///< text picture: nodes in order with edges
+};
+
+struct FrameRequest {
+  bool contacts = false, coordination = false, stress = false, walls = false, wall_loads = false;
+};
+
+class Simulation {
+ public:
+  /// Builds everything for step 0. Errors: Error{scene} (also unstable dt, see core/timestep.hpp), Error{physics}.
+  Simulation(const Scene& scene, const RunOptions& options);
+  /// Continues from a checkpoint of the same scene (any threads, ISA, chunk, policy, K).
+  Simulation(const Scene& scene, const RunOptions& options, const CheckpointReader& checkpoint);
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  /// Advances exactly `steps` steps. Error{physics} names particle id and step; the state stays readable.
+  void run(std::int64_t steps);
+
+  const Scene& scene() const noexcept;
+  std::int64_t step() const noexcept;
+  double time() const noexcept;                 ///< step * dt
+  std::int64_t particles() const noexcept;      ///< alive
+  std::uint64_t state_hash() const;             ///< order-free hash over id, x, v, w, history (DESIGN 6)
+  Counters counters() const;
+  Energies energies() const;                    ///< of the last executed step; zeros where not asked for
+  double kinetic_energy() const;                ///< translation, from v(n-1/2) [J]
+  Frame frame(const FrameRequest& request = {}) const;
+  Plan plan() const;
+  std::vector<NodeTime> profile() const;        ///< empty unless RunOptions::profile
+  void start_trace();                           ///< records node executions from now on
+  void write_trace(const std::string& path) const;  ///< Chrome trace JSON
+  void save(CheckpointWriter& out) const;
+  std::size_t bytes() const;                    ///< memory of all arrays
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace talus
