@@ -1,0 +1,55 @@
+// `talus report DIR`: hands the run folder to perf/report.py, which writes one self-contained HTML page. The script is
+// found beside the sources, or in $TALUS_SHARE/perf for an installed copy.
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+#include "cases/cli.hpp"
+
+extern char** environ;
+
+namespace talus::cli {
+namespace fs = std::filesystem;
+namespace {
+// Debian's own interpreter: the one for which install.sh provides numpy, h5py and matplotlib.
+constexpr const char* k_python = "/usr/bin/python3";
+}  // namespace
+
+int report(const Options& options) {
+  const std::string folder = options.files.at(0);
+  if (!fs::is_directory(folder)) {
+    throw Error(ErrorCode::io, "is not a folder", folder, "give the folder of a run, e.g. results/hopper-20k");
+  }
+  if (!fs::exists(fs::path(folder) / "summary.json")) {
+    throw Error(ErrorCode::io, "holds no summary.json, so it is not the folder of a finished run", folder);
+  }
+  const char* share = std::getenv("TALUS_SHARE");
+  const std::string script = (fs::path(share != nullptr ? share : TALUS_SOURCE_DIR) / "perf" / "report.py").string();
+  if (!fs::exists(script)) {
+    throw Error(ErrorCode::io, "report script not found", script, "set TALUS_SHARE to the folder that holds perf/report.py");
+  }
+  std::vector<std::string> words{k_python, script, folder};
+  if (!options.out.empty()) words.insert(words.end(), {"--out", options.out});
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+
+  pid_t child = 0;
+  if (const int reason = posix_spawn(&child, k_python, nullptr, nullptr, argv.data(), environ); reason != 0) {
+    throw Error(ErrorCode::io, std::strerror(reason), k_python, "apt-get install python3");
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    throw Error(ErrorCode::io, "the report script failed (its message is above)", folder);
+  }
+  return 0;
+}
+
+}  // namespace talus::cli

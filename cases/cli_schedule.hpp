@@ -1,0 +1,37 @@
+// When a run stops to write: steps derived from output times, and slices short enough to answer a signal.
+// Called by cli_run.cpp. Invariant: output steps are a function of the scene alone; each time is rounded to a step once
+// (k * every / dt), never summed, so that a resumed run writes at the same steps.
+#pragma once
+
+#include <cstdint>
+
+namespace talus::cli {
+
+/// Steps of an output that repeats every `every` seconds of simulated time.
+class Repeat {
+ public:
+  /// every <= 0: never. `dt` [s] > 0.
+  Repeat(double every, double dt) : ratio_(every > 0 ? every / dt : 0) {}
+  bool on() const noexcept { return ratio_ > 0; }
+  /// True at step 0, round(ratio), round(2 ratio), …
+  bool due(std::int64_t step) const noexcept;
+  /// First due step > `step`, INT64_MAX if there is none.
+  std::int64_t after(std::int64_t step) const noexcept;
+
+ private:
+  double ratio_;  ///< steps between two outputs, not an integer in general
+};
+
+/// Chooses how many steps run before the program looks up again; never influences a result.
+class Slicer {
+ public:
+  /// Steps for the next slice, at most `until` - `now`, >= 1 where until > now.
+  std::int64_t next(std::int64_t now, std::int64_t until) const noexcept;
+  /// The last slice of `steps` took `seconds`.
+  void measured(std::int64_t steps, double seconds) noexcept;
+
+ private:
+  std::int64_t length_ = 1;
+};
+
+}  // namespace talus::cli

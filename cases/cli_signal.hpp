@@ -1,0 +1,18 @@
+// Turns SIGINT and SIGTERM into a flag that the run loop reads between slices. Called by cli_run.cpp only.
+// Invariant: the handler only stores the number; a second signal of any kind ends the process at once.
+#pragma once
+
+namespace talus::cli {
+
+/// Catches SIGINT and SIGTERM for its lifetime and restores the former handlers afterwards. One object at a time.
+class SignalGuard {
+ public:
+  SignalGuard();
+  ~SignalGuard();
+  SignalGuard(const SignalGuard&) = delete;
+  SignalGuard& operator=(const SignalGuard&) = delete;
+  /// The signal that arrived, or 0.
+  int caught() const noexcept;
+};
+
+}  // namespace talus::cli
