@@ -58,6 +58,12 @@ class CheckpointReader {
     return v;
   }
   const std::string& path() const noexcept { return path_; }
+  /// Names of all sections, ascending.
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& entry : sections_) all.push_back(entry.first);
+    return all;
+  }
 
  private:
   std::string path_;
