@@ -97,6 +97,7 @@ struct Source {
   double number_rate = 0, mass_rate = 0;  ///< stream [1/s], [kg/s]
   double interval = 0;                ///< stream: time between batches [s]
   double spacing = 1.05;              ///< lattice: pitch / largest diameter
+  enum class Lattice : std::uint8_t { hexagonal, cubic } lattice = Lattice::hexagonal;
   double start = 0, end = k_never;    ///< [s]
   int group = -1;                     ///< index into groups, or -1
 };
