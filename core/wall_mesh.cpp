@@ -1,0 +1,78 @@
+// Coplanar patches of mesh facets, and the box as a mesh. Who calls it: core/walls.cpp. Invariants: see the header.
+#include "core/wall_mesh.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace talus {
+
+double coplanarity(const Mesh& mesh) {
+  double size = 0;
+  for (int k = 0; k < 3; ++k) {
+    size = fmax2(size, mesh.report.upper[k] < 0 ? -mesh.report.upper[k] : mesh.report.upper[k]);
+    size = fmax2(size, mesh.report.lower[k] < 0 ? -mesh.report.lower[k] : mesh.report.lower[k]);
+  }
+  return 2 * mesh.report.rounding + 0x1p-50 * size;
+}
+
+std::vector<TriangleElement> make_facets(const Mesh& mesh) {
+  const std::size_t n = mesh.facets.size();
+  std::vector<TriangleElement> out(n);
+  std::vector<double> area(n);
+  for (std::size_t f = 0; f < n; ++f) {
+    const auto& t = mesh.facets[f];
+    const Vec3 a = mesh.points[t[0]], b = mesh.points[t[1]], c = mesh.points[t[2]];
+    out[f] = make_triangle(a, b, c);
+    area[f] = norm2(cross(b - a, c - a));
+  }
+
+  std::vector<std::size_t> start(n + 1, 0);
+  std::vector<std::pair<std::int32_t, std::int32_t>> links;
+  const auto edges = sorted_edges(mesh.facets);
+  for (std::size_t k = 0; k + 1 < edges.size(); ++k)
+    if (edges[k].from == edges[k + 1].from && edges[k].to == edges[k + 1].to) {
+      links.emplace_back(edges[k].facet, edges[k + 1].facet);
+      links.emplace_back(edges[k + 1].facet, edges[k].facet);
+    }
+  std::sort(links.begin(), links.end());
+  for (const auto& l : links) ++start[l.first + 1];
+  for (std::size_t f = 0; f < n; ++f) start[f + 1] += start[f];
+
+  std::vector<std::int32_t> seeds(n), patch;
+  std::iota(seeds.begin(), seeds.end(), 0);
+  std::stable_sort(seeds.begin(), seeds.end(), [&](std::int32_t a, std::int32_t b) { return area[a] > area[b]; });
+  std::vector<char> assigned(n, 0);
+  const double tolerance = coplanarity(mesh);
+  for (const std::int32_t seed : seeds) {
+    if (assigned[seed]) continue;
+    assigned[seed] = 1;
+    patch.assign(1, seed);
+    for (std::size_t k = 0; k < patch.size(); ++k)
+      for (std::size_t l = start[patch[k]]; l < start[patch[k] + 1]; ++l) {
+        TriangleElement& t = out[links[l].second];
+        if (assigned[links[l].second]) continue;
+        bool coplanar = true;
+        for (const Vec3 v : t.v) {
+          const double off = plane_distance(out[seed], v);
+          coplanar = coplanar && off <= tolerance && -off <= tolerance;
+        }
+        if (!coplanar) continue;
+        assigned[links[l].second] = 1;
+        t.point = out[seed].point;
+        t.normal = out[seed].normal;
+        patch.push_back(links[l].second);
+      }
+  }
+  return out;
+}
+
+Mesh box_mesh(Vec3 lo, Vec3 hi) {
+  Mesh m;
+  m.report.file = "box";
+  for (int k = 0; k < 8; ++k) m.points.push_back({k & 1 ? hi.x : lo.x, k & 2 ? hi.y : lo.y, k & 4 ? hi.z : lo.z});
+  m.facets = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+              {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return m;
+}
+
+}  // namespace talus
