@@ -5,24 +5,9 @@
 
 #include <cmath>
 
-namespace talus::cli {
+#include "core/io/summary.hpp"
 
-void Json::quote(std::string_view s) {
-  text_ += '"';
-  for (const char c : s) {
-    if (c == '"' || c == '\\') {
-      text_ += '\\';
-      text_ += c;
-    } else if (c == '\n') {
-      text_ += "\\n";
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      text_ += fmt::format("\\u{:04x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
-    } else {
-      text_ += c;
-    }
-  }
-  text_ += '"';
-}
+namespace talus::cli {
 
 void Json::start(std::string_view key) {
   if (depth_ > 0) {
@@ -32,8 +17,7 @@ void Json::start(std::string_view key) {
     text_.append(static_cast<std::size_t>(2 * depth_), ' ');
   }
   if (!key.empty()) {
-    quote(key);
-    text_ += ": ";
+    text_ += json_string(std::string(key)) + ": ";
   }
 }
 
@@ -75,7 +59,7 @@ Json& Json::add(std::string_view key, bool value) {
 
 Json& Json::add(std::string_view key, std::string_view value) {
   start(key);
-  quote(value);
+  text_ += json_string(std::string(value));
   return *this;
 }
 

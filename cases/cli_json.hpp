@@ -28,7 +28,6 @@ class Json {
   Json& open(std::string_view key, char bracket);
   Json& close(char bracket);
   void start(std::string_view key);
-  void quote(std::string_view s);
   std::string text_;
   int depth_ = 0;
 };

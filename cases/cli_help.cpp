@@ -1,0 +1,15 @@
+// `talus help scene [KEY]`: prints the table of scene keys that the parser itself uses.
+#include <fmt/format.h>
+
+#include "cases/cli.hpp"
+#include "core/io/scene_keys.hpp"
+
+namespace talus::cli {
+
+int help(const Options& options) {
+  const std::string text = scene_help(options.key);
+  fmt::print("{}{}", text, text.empty() || text.back() == '\n' ? "" : "\n");
+  return 0;
+}
+
+}  // namespace talus::cli

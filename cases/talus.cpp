@@ -1,0 +1,131 @@
+// The program `talus`: parses the command line, calls one command, turns errors into one message and an exit code.
+// Who calls it: people, scripts, CI. Invariant: the only place of the project that decides an exit code.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <new>
+
+#include "cases/cli.hpp"
+
+namespace {
+using namespace talus;
+using cli::Options;
+
+const std::map<std::string, Isa> k_isa_names{
+    {"auto", Isa::automatic}, {"scalar", Isa::scalar}, {"sse2", Isa::sse2}, {"avx2", Isa::avx2}, {"avx512", Isa::avx512}};
+
+void add_scene_options(CLI::App& app, Options& o) {
+  app.add_option("scene", o.scene, "scene file (TOML); `talus help scene` lists its keys")->required();
+  app.add_option("--set", o.set, "section.key=value: replaces any key of the scene (repeatable)")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  app.add_option("--verlet-k", o.verlet_k, "K of the skin K|v|dt; never changes the trajectory")->check(CLI::NonNegativeNumber);
+  app.add_option("--steps", o.steps, "last step of the run")->check(CLI::NonNegativeNumber);
+}
+
+void add_engine_options(CLI::App& app, Options& o) {
+  app.add_option("--threads", o.run.threads, "threads; 0 = all cores (default)")->check(CLI::Range(0, 4096));
+  app.add_option("--isa", o.run.isa, "instruction set: auto, scalar, sse2, avx2, avx512 (default auto, or $TALUS_ISA)")
+      ->transform(CLI::CheckedTransformer(k_isa_names, CLI::ignore_case))
+      ->envname("TALUS_ISA");
+  app.add_option("--chunk", o.run.chunk, "particles per chunk; 0 = chosen (default)")->check(CLI::Range(0, 1 << 24));
+}
+
+void add_run_options(CLI::App& app, Options& o) {
+  app.add_option("--out", o.out, "folder of the results (default results/SCENE-NAME)")->type_name("DIR");
+  app.add_option("--resume", o.resume, "continue from a checkpoint, or from the newest one of a run folder")
+      ->type_name("FILE|DIR");
+  app.add_option("--checkpoint-every", o.checkpoint_every, "steps between checkpoints; 0 = only at a signal")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--trace", o.trace, "write a Chrome trace (Perfetto) of the first steps")->type_name("FILE");
+  app.add_flag("--profile", o.run.profile, "time every node of the step");
+  app.add_flag("--quiet", o.quiet, "no progress, no closing text");
+  app.add_flag("--overwrite", o.overwrite, "replace the results of an earlier run in the same folder");
+}
+
+int guarded(const std::function<int()>& command) {
+  const auto say = [](const std::string& text) { fmt::print(stderr, "talus: error: {}\n", text); };
+  try {
+    return command();
+  } catch (const Error& e) {
+    say(e.what());
+    return e.exit_code();
+  } catch (const std::bad_alloc&) {
+    say("out of memory (fewer particles, or a machine with more memory; `talus check SCENE` estimates the need)");
+    return static_cast<int>(ErrorCode::io);
+  } catch (const std::exception& e) {
+    say(fmt::format("internal error: {} (please report it with the scene)", e.what()));
+    return 70;
+  }
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options o;
+  CLI::App app{"Talus: discrete element method with a local Verlet buffer; the trajectory depends on the scene alone."};
+  app.set_version_flag("--version", std::string("talus ") + TALUS_VERSION);
+  app.require_subcommand(1);
+  std::function<int(const Options&)> command;
+  const auto add = [&](const char* name, const char* about, int (*function)(const Options&)) {
+    CLI::App* sub = app.add_subcommand(name, about);
+    sub->final_callback([&command, function] { command = function; });
+    return sub;
+  };
+
+  CLI::App* sub = add("run", "run a scene", cli::run);
+  add_scene_options(*sub, o);
+  add_engine_options(*sub, o);
+  add_run_options(*sub, o);
+  sub->add_flag("--json", o.json, "print the summary as JSON");
+
+  sub = add("check", "validate a scene, its time step and its memory without running it", cli::check);
+  add_scene_options(*sub, o);
+  add_engine_options(*sub, o);
+  sub->add_flag("--json", o.json, "machine-readable");
+
+  sub = add("explain", "what the step of a scene consists of, what is left out and why", cli::explain);
+  add_scene_options(*sub, o);
+  add_engine_options(*sub, o);
+  sub->add_flag("--json", o.json, "machine-readable");
+
+  sub = add("info", "what is in a checkpoint, a summary or a run folder", cli::info);
+  sub->add_option("file", o.files, "checkpoint, summary.json or run folder")->required();
+  sub->add_flag("--json", o.json, "machine-readable");
+
+  sub = add("compare", "first difference between two checkpoints or run folders; exit 1 if they differ", cli::compare);
+  sub->add_option("files", o.files, "two checkpoints or run folders")->required()->expected(2);
+  sub->add_flag("--json", o.json, "machine-readable");
+
+  sub = add("report", "write one self-contained HTML page about a run", cli::report);
+  sub->add_option("folder", o.files, "run folder")->required()->expected(1);
+  sub->add_option("--out", o.out, "HTML file (default FOLDER/report.html)")->type_name("FILE");
+  sub->add_flag("--quiet", o.quiet, "print nothing");
+
+  sub = add("help", "help on scene keys: talus help scene [KEY]", cli::help);
+  sub->add_option("topic", o.topic, "scene, or a command");
+  sub->add_option("key", o.key, "a scene key such as contact.friction, or a section");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    // --help and --version arrive here too, with code 0.
+    return app.exit(e) == 0 ? 0 : static_cast<int>(ErrorCode::usage);
+  }
+  if (!o.topic.empty() && o.topic != "scene") {
+    const auto found = app.get_subcommands([&](const CLI::App* c) { return c->get_name() == o.topic; });
+    if (found.empty()) {
+      fmt::print(stderr, "talus: error: no help on '{}' (scene, or one of run, check, explain, info, compare, report)\n", o.topic);
+      return static_cast<int>(ErrorCode::usage);
+    }
+    fmt::print("{}", found.front()->help());
+    return 0;
+  }
+  if (app.got_subcommand("help") && o.topic.empty()) {
+    fmt::print("{}", app.help());
+    return 0;
+  }
+  return guarded([&] { return command(o); });
+}

@@ -1,0 +1,237 @@
+// The life of a run as users see it: folder, summary, series; resume equal to the uninterrupted run; signals; failures.
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "tests/cli/cli_runner.hpp"
+
+namespace talus::test {
+namespace {
+namespace fs = std::filesystem;
+
+std::vector<std::string> arguments(std::vector<std::string> a, const std::vector<std::string>& more) {
+  a.insert(a.end(), more.begin(), more.end());
+  return a;
+}
+
+std::int64_t lines_of(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+TEST_F(Cli, RunLeavesSummarySceneAndSeries) {
+  write("scene.toml", small_scene());
+  const Result r = talus({"run", "scene.toml", "--out", "out", "--threads", "2"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const std::string summary = read("out/summary.json");
+  for (const char* key : {"particles", "steps", "wall_s", "particle_steps_per_s", "rebuilds", "threads", "isa", "seed",
+                          "version", "state_hash"}) {
+    EXPECT_FALSE(json_value(summary, key).empty()) << key << " in " << summary;
+  }
+  EXPECT_EQ(json_value(summary, "particles"), "200");
+  EXPECT_EQ(json_value(summary, "steps"), "400");
+  EXPECT_EQ(json_value(summary, "state_hash").size(), 16u);
+  EXPECT_EQ(read("out/scene.toml"), read("scene.toml"));
+  EXPECT_NE(r.out.find("out"), std::string::npos) << "says where the results are: " << r.out;
+  EXPECT_NE(r.out.find(json_value(summary, "state_hash")), std::string::npos);
+  // 400 steps of 2e-5 s with a row every 1e-4 s: steps 0, 5, ..., 400, and a header.
+  EXPECT_EQ(lines_of(read("out/series.csv")), 82);
+}
+
+TEST_F(Cli, ProgressInALogIsALinePerTenPercent) {
+  write("scene.toml", small_scene(20));
+  const Result r = talus({"run", "scene.toml", "--out", "out", "--set", "time.steps=20000"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_LE(lines_of(r.err), 10) << r.err;
+  EXPECT_GE(lines_of(r.err), 1) << r.err;
+  EXPECT_NE(r.err.find("100.0 %"), std::string::npos) << r.err;
+  EXPECT_EQ(r.err.find('\r'), std::string::npos) << "a bar does not belong into a log";
+  const Result quiet = talus({"run", "scene.toml", "--out", "quiet", "--quiet"});
+  EXPECT_EQ(quiet.err + quiet.out, "");
+}
+
+TEST_F(Cli, JsonSummaryOnStandardOutput) {
+  write("scene.toml", small_scene(20));
+  const Result r = talus({"run", "scene.toml", "--out", "out", "--json", "--quiet"});
+  EXPECT_EQ(r.exit_code, 0);
+  EXPECT_EQ(json_value(r.out, "state_hash"), json_value(read("out/summary.json"), "state_hash"));
+}
+
+TEST_F(Cli, ExistingResultsAreKeptUnlessAskedOtherwise) {
+  write("scene.toml", small_scene(20));
+  ASSERT_EQ(talus({"run", "scene.toml", "--out", "out"}).exit_code, 0);
+  const std::string before = read("out/summary.json");
+  const Result refused = talus({"run", "scene.toml", "--out", "out"});
+  EXPECT_TRUE(refused.exit_code == 2 || refused.exit_code == 5) << refused.exit_code;
+  EXPECT_NE(refused.err.find("--overwrite"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("out"), std::string::npos) << refused.err;
+  EXPECT_EQ(read("out/summary.json"), before);
+  EXPECT_EQ(talus({"run", "scene.toml", "--out", "out", "--overwrite", "--steps", "100"}).exit_code, 0);
+  EXPECT_EQ(json_value(read("out/summary.json"), "steps"), "100");
+}
+
+TEST_F(Cli, ForeignFolderIsNotOverwritten) {
+  write("scene.toml", small_scene(20));
+  fs::create_directory(folder / "home");
+  write("home/thesis.txt", "years of work");
+  talus({"run", "scene.toml", "--out", "home", "--overwrite"});
+  EXPECT_EQ(read("home/thesis.txt"), "years of work");
+}
+
+TEST_F(Cli, UnwritableFolderExitsWithFive) {
+  write("scene.toml", small_scene(20));
+  write("file", "in the way");
+  const Result r = talus({"run", "scene.toml", "--out", "file/out"});
+  EXPECT_EQ(r.exit_code, 5) << r.err;
+  EXPECT_NE(r.err.find("file"), std::string::npos) << r.err;
+}
+
+/// The resumed run is the uninterrupted one, although K, threads, instruction set and chunk size change in between.
+TEST_F(Cli, ResumedRunEndsWithTheHashAndSeriesOfTheUninterruptedOne) {
+  write("scene.toml", small_scene(300, "energies = true\n"));
+  ASSERT_EQ(talus({"run", "scene.toml", "--out", "whole"}).exit_code, 0);
+  // 237 is neither an output step nor a sort epoch.
+  ASSERT_EQ(talus({"run", "scene.toml", "--out", "parts", "--steps", "237", "--isa", "sse2"}).exit_code, 0);
+  EXPECT_NE(json_value(read("parts/summary.json"), "state_hash"), json_value(read("whole/summary.json"), "state_hash"));
+  const Result r = talus({"run", "scene.toml", "--resume", "parts", "--threads", "2", "--isa", "scalar", "--verlet-k",
+                          "10", "--chunk", "64"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(json_value(read("parts/summary.json"), "state_hash"), json_value(read("whole/summary.json"), "state_hash"));
+  EXPECT_EQ(read("parts/series.csv"), read("whole/series.csv"));
+  EXPECT_EQ(talus({"compare", "parts", "whole"}).exit_code, 0);
+}
+
+TEST_F(Cli, ResumeDropsWhatWasWrittenAfterTheCheckpoint) {
+  write("scene.toml", small_scene(100));
+  ASSERT_EQ(talus({"run", "scene.toml", "--out", "whole"}).exit_code, 0);
+  ASSERT_EQ(talus({"run", "scene.toml", "--out", "parts", "--steps", "200"}).exit_code, 0);
+  // The checkpoint of step 200 stays aside while the run goes on: as if the machine had stopped between two of them.
+  fs::path checkpoint;
+  for (const auto& entry : fs::recursive_directory_iterator(folder / "parts")) {
+    if (entry.path().filename().string().rfind("step-", 0) == 0) checkpoint = entry.path();
+  }
+  ASSERT_FALSE(checkpoint.empty());
+  const fs::path kept = folder / checkpoint.filename();
+  fs::copy_file(checkpoint, kept);
+  ASSERT_EQ(talus({"run", "scene.toml", "--resume", "parts", "--steps", "400"}).exit_code, 0);
+  for (const auto& entry : fs::directory_iterator(checkpoint.parent_path())) {
+    if (entry.path().filename().string().rfind("step-", 0) == 0) fs::remove(entry.path());
+  }
+  fs::copy_file(kept, checkpoint);
+  const Result r = talus({"run", "scene.toml", "--resume", "parts"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(read("parts/series.csv"), read("whole/series.csv"));
+  EXPECT_EQ(json_value(read("parts/summary.json"), "state_hash"), json_value(read("whole/summary.json"), "state_hash"));
+}
+
+TEST_F(Cli, ResumeWithoutCheckpointExitsWithFive) {
+  write("scene.toml", small_scene(20));
+  fs::create_directory(folder / "empty");
+  EXPECT_EQ(talus({"run", "scene.toml", "--resume", "empty"}).exit_code, 5);
+  EXPECT_EQ(talus({"run", "scene.toml", "--resume", "nowhere"}).exit_code, 5);
+  write("step-000000000001.talus", "TALUSCP1 but not really");
+  EXPECT_EQ(talus({"run", "scene.toml", "--resume", "step-000000000001.talus"}).exit_code, 5);
+  EXPECT_FALSE(exists("results"));
+}
+
+class Signals : public Cli, public ::testing::WithParamInterface<int> {};
+
+/// A signal in the middle: answered within about a second, checkpoint written, exit code 128 + signal, and the resumed
+/// run is the uninterrupted one.
+TEST_P(Signals, EndTheRunAfterACheckpoint) {
+  write("scene.toml", small_scene(300));
+  Process process(folder, {"run", "scene.toml", "--out", "parts", "--steps", "100000000"});
+  for (int i = 0; i < 600 && lines_of(read("parts/series.csv")) < 20; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  ASSERT_EQ(kill(process.id(), GetParam()), 0);
+  const auto sent = std::chrono::steady_clock::now();
+  const Result stopped = process.wait();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - sent).count();
+  EXPECT_EQ(stopped.exit_code, 128 + GetParam()) << stopped.err;
+  EXPECT_LT(seconds, 5.0) << "one second is the aim, the rest is for a busy machine";
+  const std::int64_t step = std::stoll("0" + json_value(read("parts/summary.json"), "steps"));
+  EXPECT_GT(step, 0);
+  EXPECT_LT(step, 100000000);
+  EXPECT_NE(stopped.out.find("--resume"), std::string::npos) << stopped.out;
+
+  // A little beyond the stop, beside an uninterrupted run of that length.
+  const std::string end = std::to_string(step + 333);
+  ASSERT_EQ(talus({"run", "scene.toml", "--resume", "parts", "--steps", end}).exit_code, 0);
+  ASSERT_EQ(talus({"run", "scene.toml", "--out", "whole", "--steps", end}).exit_code, 0);
+  EXPECT_EQ(json_value(read("parts/summary.json"), "state_hash"), json_value(read("whole/summary.json"), "state_hash"));
+  EXPECT_EQ(read("parts/series.csv"), read("whole/series.csv"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Cli, Signals, ::testing::Values(SIGINT, SIGTERM));
+
+TEST_F(Cli, PhysicalFailureExitsWithFourAndKeepsWhatWasWritten) {
+  // Two spheres shot at each other so hard that they overlap beyond the allowed depth.
+  std::string text = small_scene(1);
+  const std::size_t from = text.find("kind = \"random\""), to = text.find("[output]");
+  text.replace(from, to - from, "kind = \"file\"\nfile = \"state.csv\"\n");
+  write("scene.toml", text + "[checks]\nmax_overlap = 0.01\n");
+  write("state.csv", "x,y,z,radius,vx,vy,vz\n0.03,0.05,0.05,0.004,8,0,0\n0.07,0.05,0.05,0.004,-8,0,0\n");
+  const Result r = talus({"run", "scene.toml", "--out", "out"});
+  EXPECT_EQ(r.exit_code, 4) << r.err;
+  EXPECT_NE(r.err.find("step"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("particle"), std::string::npos) << r.err;
+  EXPECT_GT(lines_of(read("out/series.csv")), 10);
+  EXPECT_TRUE(exists("out/summary.json"));
+  // The dumped state can be looked at.
+  bool dumped = false;
+  for (const auto& entry : fs::recursive_directory_iterator(folder / "out")) {
+    if (entry.path().filename().string().rfind("failed", 0) != 0) continue;
+    dumped = true;
+    EXPECT_EQ(talus({"info", fs::relative(entry.path(), folder).string()}).exit_code, 0);
+  }
+  EXPECT_TRUE(dumped);
+}
+
+TEST_F(Cli, CompareFindsTheFirstDifference) {
+  write("scene.toml", small_scene());
+  ASSERT_EQ(talus({"run", "scene.toml", "--out", "a", "--steps", "100"}).exit_code, 0);
+  ASSERT_EQ(talus({"run", "scene.toml", "--out", "b", "--steps", "100", "--set", "gravity=[0,0,-9.82]"}).exit_code, 0);
+  ASSERT_EQ(talus({"run", "scene.toml", "--out", "c", "--steps", "100", "--chunk", "64"}).exit_code, 0);
+  const Result different = talus({"compare", "a", "b"});
+  EXPECT_EQ(different.exit_code, 1) << different.err;
+  EXPECT_NE(different.out.find("first difference: particle 0"), std::string::npos) << different.out;
+  EXPECT_EQ(talus({"compare", "a", "c"}).exit_code, 0);
+  EXPECT_EQ(json_value(talus({"compare", "a", "b", "--json"}).out, "equal"), "false");
+}
+
+TEST_F(Cli, CheckAndExplainWriteNothing) {
+  write("scene.toml", small_scene());
+  for (const char* command : {"check", "explain"}) {
+    for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--json"}}) {
+      const Result r = talus(arguments({command, "scene.toml"}, more));
+      EXPECT_EQ(r.exit_code, 0) << command << r.err;
+      EXPECT_FALSE(r.out.empty());
+    }
+  }
+  EXPECT_FALSE(exists("results"));
+  EXPECT_EQ(json_value(talus({"check", "scene.toml", "--json"}).out, "particles"), "200");
+}
+
+TEST_F(Cli, ExplainNamesTheNodesAndWhatIsLeftOut) {
+  write("scene.toml", replaced(small_scene(), "friction = 0.5\n", ""));
+  const std::string text = talus({"explain", "scene.toml"}).out;
+  for (const char* node : {"displacement_check", "rebuild", "narrow_phase", "contact_force", "integrate"}) {
+    EXPECT_NE(text.find(node), std::string::npos) << node << "\n" << text;
+  }
+  EXPECT_NE(text.find("out"), std::string::npos) << "a frictionless scene leaves something out";
+}
+
+TEST_F(Cli, InfoReadsCheckpointSummaryAndFolder) {
+  write("scene.toml", small_scene());
+  ASSERT_EQ(talus({"run", "scene.toml", "--out", "out", "--steps", "50"}).exit_code, 0);
+  const std::string hash = json_value(read("out/summary.json"), "state_hash");
+  for (const char* what : {"out", "out/summary.json"}) {
+    const Result r = talus({"info", what});
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_NE(r.out.find(hash), std::string::npos) << what << "\n" << r.out;
+  }
+}
+
+}  // namespace
+}  // namespace talus::test
