@@ -266,6 +266,7 @@ WallSet::WallSet(const Scene& scene, double max_reach) : impl_(std::make_unique<
   for (Wall& w : impl_->walls) w.marked = w.pose;
 }
 
+WallSet::WallSet() = default;
 WallSet::~WallSet() = default;
 WallSet::WallSet(WallSet&&) noexcept = default;
 WallSet& WallSet::operator=(WallSet&&) noexcept = default;

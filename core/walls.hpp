@@ -47,7 +47,7 @@ class WallSet {
  public:
   static constexpr int k_max_contacts = 16;  ///< simultaneous wall contacts of one particle; more is Error{physics}
 
-  WallSet() = default;
+  WallSet();
   /// Builds all elements; loads meshes relative to scene.directory. Sides of the domain with Boundary::wall become plane
   /// walls named "domain_x_lower" ... after the scene's own walls. `max_reach` [m]: the largest R_NL (radius + capped
   /// skin + wall skin) that candidates() will ever be asked for (sizes the facet grid).

@@ -1,0 +1,137 @@
+// Run-time choice of the instruction set and coefficients of the contact laws.
+#include "kernels/kernel_table.hpp"
+
+#include <cstdlib>
+
+#include "core/det_math.hpp"
+#include "core/error.hpp"
+
+namespace talus {
+
+extern const KernelTable k_table_scalar, k_table_sse2, k_table_avx2, k_table_avx512;
+
+namespace {
+
+constexpr LawInfo k_laws[] = {
+    {ContactModel::linear, "linear", 0, 3, false},
+    {ContactModel::hertz_mindlin, "hertz_mindlin", 8, 4, true},
+    {ContactModel::hertz_tsuji, "hertz_tsuji", 8, 4, true},
+};
+
+// __builtin_cpu_supports accounts for what the operating system enables (XCR0); xsimd's own detection does not.
+bool supported(Isa isa) {
+  switch (isa) {
+    case Isa::avx512:
+      return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
+             __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("bmi2");
+    case Isa::avx2: return __builtin_cpu_supports("avx2");
+    default: return true;
+  }
+}
+
+const KernelTable& table(Isa isa) {
+  switch (isa) {
+    case Isa::avx512: return k_table_avx512;
+    case Isa::avx2: return k_table_avx2;
+    case Isa::sse2: return k_table_sse2;
+    default: return k_table_scalar;
+  }
+}
+
+}  // namespace
+
+const LawInfo& law_info(ContactModel model) {
+  for (const LawInfo& l : k_laws)
+    if (l.model == model) return l;
+  throw Error(ErrorCode::scene, "contact model without a kernel");
+}
+
+const char* isa_name(Isa isa) noexcept {
+  switch (isa) {
+    case Isa::scalar: return "scalar";
+    case Isa::sse2: return "sse2";
+    case Isa::avx2: return "avx2";
+    case Isa::avx512: return "avx512";
+    default: return "automatic";
+  }
+}
+
+Isa parse_isa(const std::string& name) {
+  for (Isa i : {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512})
+    if (name == isa_name(i)) return i;
+  if (name == "auto" || name == "automatic" || name.empty()) return Isa::automatic;
+  throw Error(ErrorCode::usage, "unknown instruction set '" + name + "'", "--isa", "allowed: scalar, sse2, avx2, avx512");
+}
+
+std::vector<Isa> available_isas() {
+  std::vector<Isa> v;
+  for (Isa i : {Isa::avx512, Isa::avx2, Isa::sse2, Isa::scalar})
+    if (supported(i)) v.push_back(i);
+  return v;
+}
+
+const KernelTable& select_kernels(Isa isa, std::string* why) {
+  std::string reason = "requested";
+  if (isa == Isa::automatic) {
+    const char* env = std::getenv("TALUS_ISA");
+    if (env != nullptr && *env != '\0') {
+      isa = parse_isa(env);
+      reason = "TALUS_ISA";
+    }
+  }
+  if (isa == Isa::automatic) {
+    isa = available_isas().front();
+    reason = "best that this processor and system support";
+  }
+  if (!supported(isa))
+    throw Error(ErrorCode::usage, std::string("this processor does not support ") + isa_name(isa), "--isa",
+                std::string("best available: ") + isa_name(available_isas().front()));
+  if (why != nullptr) *why = reason;
+  return table(isa);
+}
+
+std::vector<PairParameters> pair_parameters(const Scene& scene) {
+  const auto n = scene.materials.size();
+  const ContactLaw& law = scene.contact;
+  std::vector<PairParameters> out(n * n);
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = 0; b < n; ++b) {
+      const PairCoefficients& c = scene.pair(static_cast<int>(a), static_cast<int>(b));
+      PairParameters& p = out[a * n + b];
+      p.mu = c.friction;
+      const double pi = det::k_pi;
+      if (law.model == ContactModel::linear) {
+        p.kn = law.normal_stiffness;
+        p.kt = law.tangential_stiffness;
+        if (law.by_restitution) {
+          // rate = 2 beta sqrt(k/m_eff), beta = -ln e / sqrt(pi^2 + ln^2 e); the same rate tangentially
+          const double l = det::log(c.restitution);
+          p.gn = -2 * l / __builtin_sqrt(pi * pi + l * l);
+          p.gt = law.tangential_damping > 0 ? law.tangential_damping : 0;
+        } else {
+          p.gn = law.normal_damping;
+          p.gt = law.tangential_damping;
+        }
+      } else {
+        const Material &m = scene.materials[a], &k = scene.materials[b];
+        const double e_star = 1 / ((1 - m.poisson * m.poisson) / m.young + (1 - k.poisson * k.poisson) / k.young);
+        const double ga = m.young / (2 * (1 + m.poisson)), gb = k.young / (2 * (1 + k.poisson));
+        const double g_star = 1 / ((2 - m.poisson) / ga + (2 - k.poisson) / gb);
+        const double e = c.restitution;
+        double alpha = 0;
+        if (law.model == ContactModel::hertz_tsuji) {
+          alpha = 1.2728 + e * (-4.2783 + e * (11.087 + e * (-22.348 + e * (27.467 + e * (-18.022 + e * 4.8218)))));
+        } else {
+          const double l = det::log(e);
+          alpha = -__builtin_sqrt(5.0) * l / __builtin_sqrt(pi * pi + l * l);
+        }
+        p.kn = 4.0 / 3.0 * e_star;
+        p.kt = 8 * g_star;
+        p.gn = alpha;
+        p.gt = __builtin_sqrt(2.0 / 3.0) * alpha;
+      }
+    }
+  return out;
+}
+
+}  // namespace talus

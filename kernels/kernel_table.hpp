@@ -1,0 +1,39 @@
+// Choice of instruction set at run time and the index of contact-law variants. Who calls it: scheduler/, tests, perf.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/scene.hpp"
+#include "kernels/views.hpp"
+
+namespace talus {
+
+/// What a contact law needs from the engine; one line per law (see kernels/models).
+struct LawInfo {
+  ContactModel model;
+  const char* name;
+  int slot;          ///< first of its eight variants in KernelTable::law
+  int history;       ///< columns with friction (none without)
+  bool wants_reff;
+};
+const LawInfo& law_info(ContactModel model);
+
+/// Variant index into KernelTable::law.
+inline int law_index(const LawInfo& law, bool friction, bool multi, bool energy) {
+  return law.slot + (friction ? 1 : 0) + (multi ? 2 : 0) + (energy ? 4 : 0);
+}
+
+/// Kernels of `isa`, or of the best one the processor has for Isa::automatic (TALUS_ISA overrides). `why` tells the
+/// reason. Error{usage} for an instruction set that the processor lacks or an unknown TALUS_ISA.
+const KernelTable& select_kernels(Isa isa, std::string* why = nullptr);
+/// Instruction sets that can run here, best first.
+std::vector<Isa> available_isas();
+const char* isa_name(Isa isa) noexcept;
+/// Error{usage} with the allowed names.
+Isa parse_isa(const std::string& name);
+
+/// Coefficients of every material pair of the scene as its law reads them (set-up is trajectory code: det_math).
+std::vector<PairParameters> pair_parameters(const Scene& scene);
+
+}  // namespace talus

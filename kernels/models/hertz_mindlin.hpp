@@ -1,0 +1,103 @@
+// Hertz-Mindlin with the exact restitution damping (Antypov & Elliott 2011; VERIFICATION 3.1).
+//   S_n = 4/3 E* a, S_t = 8 G* a, a = sqrt(R* delta)
+//   F_n = S_n delta - alpha sqrt(m_eff S_n) v_n,  alpha = -sqrt(5) ln e / sqrt(pi^2 + ln^2 e)
+//   F_t: stored force, dF = -S_t v_t dt, rescaled by a/a_prev when the contact radius shrinks (no energy from closed
+//   loops), dashpot sqrt(2/3) alpha sqrt(m_eff S_t) v_t, |F_t| <= mu max(F_n, 0)
+// hertz_tsuji differs only in alpha (the polynomial of Tsuji et al.), chosen at set-up.
+// History: 4 columns, the elastic tangential force on i [N] and the last contact radius [m].
+// Reads kn = 4/3 E* [Pa], kt = 8 G* [Pa], gn = alpha [-], gt = sqrt(2/3) alpha [-], mu; wants R*.
+#pragma once
+
+#include "kernels/models/linear.hpp"
+
+namespace talus::kernels {
+
+struct HertzMindlin {
+  static constexpr const char* name = "hertz_mindlin";
+  static constexpr int history = 4;
+  static constexpr bool wants_reff = true;
+};
+
+template <class S, bool Friction, bool Multi, bool Energy>
+void force(HertzMindlin, Block& b, const LawArgs& a) {
+  using B = typename S::B;
+  const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt), hdt = S::set(0.5 * a.dt);
+  const B hdt_t = S::set(0.5 * 3.5 * a.dt), two_fifths = S::set(0.4);
+  Coefficients<S, Multi> c;
+  if constexpr (!Multi) c.load(b, a, 0);
+  for (int k = 0; k < b.n; k += S::W) {
+    if constexpr (Multi) c.load(b, a, k);
+    const B x[3] = {S::load(b.x + k), S::load(b.y + k), S::load(b.z + k)};
+    const B v[3] = {S::load(b.r[0] + k), S::load(b.r[1] + k), S::load(b.r[2] + k)};
+    const B ms = S::load(b.r[Friction ? 7 : 3] + k), w = S::load(b.w + k), reff = S::load(b.reff + k);
+    const B d = S::sqrt((x[0] * x[0] + x[1] * x[1]) + x[2] * x[2]);
+    const B inv = one / d, delta = w - d;
+    const B n[3] = {x[0] * inv, x[1] * inv, x[2] * inv};
+    const B vn = (v[0] * n[0] + v[1] * n[1]) + v[2] * n[2];
+    const B radius = S::sqrt(reff * delta), sn = c.kn * radius;
+    const B cn = c.gn * S::sqrt(sn / ms);  // [kg/s]
+    B fn = sn * delta - cn * vn;
+    if (a.centred != 0) fn = fn / (one + hdt * (cn * ms));
+    B f[3] = {fn * n[0], fn * n[1], fn * n[2]};
+    if constexpr (Energy) {
+      const B vc = a.centred != 0 ? vn + hdt * (fn * ms) : vn;
+      S::store(b.e[0] + k, two_fifths * (sn * (delta * delta)));
+      S::store(b.e[1] + k, dt * (cn * (vc * vc)));
+      S::store(b.e[2] + k, zero);
+    }
+    if constexpr (Friction) {
+      const B lever = a.contact_lever != 0 ? d / w : one;
+      const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
+      B t[3];
+      tangential_velocity<S>(v, s, x, n, vn, a.dt, a.synchronised, t);
+      const B last = S::load(b.h[3] + k), st = c.kt * radius, ct = c.gt * S::sqrt(st / ms);
+      B h[3] = {S::load(b.h[0] + k), S::load(b.h[1] + k), S::load(b.h[2] + k)};
+      const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
+      const B o2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
+      const B rescale = S::select(S::lt(radius, last), radius / last, one);
+      const B shrink = a.centred != 0 ? one / (one + hdt_t * (ct * ms)) : one;
+      B g[3];
+      for (int q = 0; q < 3; ++q) {
+        h[q] = (h[q] - hn * n[q]) * rescale - st * (t[q] * dt);
+        g[q] = (h[q] - ct * t[q]) * shrink;
+      }
+      const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
+      const B limit = c.mu * S::select(S::gt(fn, zero), fn, zero);
+      const auto slides = S::gt(g2, limit * limit);
+      if (S::any(slides)) {
+        const B scale = S::select(slides, limit / S::sqrt(g2), one);
+        const B back = one / shrink;
+        for (int q = 0; q < 3; ++q) {
+          g[q] = g[q] * scale;
+          h[q] = S::select(slides, g[q] * back + ct * t[q], h[q]);
+        }
+      }
+      for (int q = 0; q < 3; ++q) {
+        S::store(b.h[q] + k, h[q]);
+        f[q] = f[q] + g[q];
+      }
+      S::store(b.h[3] + k, radius);
+      if constexpr (Energy) {
+        // Elastic energy of the tangential spring F^2 / (2 S_t); what unloading takes from it counts as friction.
+        const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2], now = half * (h2 / st);
+        const B old = S::select(S::gt(last, zero), half * (o2 / (c.kt * S::select(S::gt(last, zero), last, one))), zero);
+        const B gv = (g[0] * t[0] + g[1] * t[1]) + g[2] * t[2], t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
+        const B viscous = dt * (ct * t2), lost = zero - dt * gv - (now - old);
+        const B damped = S::select(S::gt(viscous, lost), lost, viscous);
+        S::store(b.e[0] + k, S::load(b.e[0] + k) + now);
+        S::store(b.e[1] + k, S::load(b.e[1] + k) + damped);
+        S::store(b.e[2] + k, lost - damped);
+      }
+      S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));
+      S::store(b.r[5] + k, lever * (n[0] * g[2] - n[2] * g[0]));
+      S::store(b.r[6] + k, lever * (n[1] * g[0] - n[0] * g[1]));
+      S::store(b.r[7] + k, zero);
+    }
+    S::store(b.r[0] + k, f[0]);
+    S::store(b.r[1] + k, f[1]);
+    S::store(b.r[2] + k, f[2]);
+    S::store(b.r[3] + k, S::set(1.5) * sn);
+  }
+}
+
+}  // namespace talus::kernels

@@ -1,0 +1,169 @@
+// Linear spring-dashpot with Coulomb friction and tangential history (Cundall & Strack; LAMMPS gran/hooke/history).
+//   F_n = k_n delta - gamma_n m_eff v_n,   F_t = -(k_t xi + gamma_t m_eff v_t),   |F_t| <= mu max(F_n, 0)
+// Dashpot `centred`: velocities are known at n-1/2; the force of step n is made consistent with the velocity at n,
+// v_n = v(n-1/2) + F dt/(2 m_eff), solved for the pair alone: both force components shrink by 1/(1 + gamma dt/2) (second
+// order; `lagged` uses v(n-1/2) as it stands: first order). Onset correction: the dashpot acts from the first instant of
+// touch to the last, so its impulse in the step that holds that instant is weighed with the touching time
+// (1/2 + delta/(|v_n| dt)) instead of 1; without it restitution has an error of order dt that depends on the phase.
+// History: 3 columns, the tangential spring xi [m], oriented i - j.
+// Reads kn, kt [N/m], gn, gt [1/s] (or 2 beta [-] with by_restitution), mu.
+#pragma once
+
+#include "kernels/simd.hpp"
+#include "kernels/views.hpp"
+
+namespace talus::kernels {
+
+struct Linear {
+  static constexpr const char* name = "linear";
+  static constexpr int history = 3;
+  static constexpr bool wants_reff = false;
+};
+
+/// Loads of one material pair's coefficients for W contacts.
+template <class S, bool Multi>
+struct Coefficients {
+  typename S::B kn, kt, gn, gt, mu;
+  TALUS_INLINE void load(const Block& b, const LawArgs& a, int k) {
+    if constexpr (Multi) {
+      double t[5][S::W];
+      for (int q = 0; q < S::W; ++q) {
+        const PairParameters& p = a.table[b.pair[k + q]];
+        t[0][q] = p.kn;
+        t[1][q] = p.kt;
+        t[2][q] = p.gn;
+        t[3][q] = p.gt;
+        t[4][q] = p.mu;
+      }
+      kn = S::load(t[0]);
+      kt = S::load(t[1]);
+      gn = S::load(t[2]);
+      gt = S::load(t[3]);
+      mu = S::load(t[4]);
+    } else {
+      kn = S::set(a.one.kn);
+      kt = S::set(a.one.kt);
+      gn = S::set(a.one.gn);
+      gt = S::set(a.one.gt);
+      mu = S::set(a.one.mu);
+    }
+  }
+};
+
+/// Tangential displacement rate of the contact point, v_t = v - (v.n) n - s x n with s = lever (r_i w_i + r_j w_j).
+/// synchronised: the velocity at n-1/2 is projected with the mid-step normal (x(n) - v dt/2), with which the chord of the
+/// relative motion is exactly tangential; otherwise with the normal at n.
+template <class S>
+TALUS_INLINE void tangential_velocity(const typename S::B* v, const typename S::B* s, const typename S::B* x,
+                                      const typename S::B* n, typename S::B vn, double dt, int synchronised,
+                                      typename S::B* t) {
+  if (synchronised != 0) {
+    const auto h = S::set(0.5 * dt);
+    const auto mx = x[0] - h * v[0], my = x[1] - h * v[1], mz = x[2] - h * v[2];
+    const auto q = ((v[0] * mx + v[1] * my) + v[2] * mz) / ((mx * mx + my * my) + mz * mz);
+    t[0] = (v[0] - q * mx) - (s[1] * n[2] - s[2] * n[1]);
+    t[1] = (v[1] - q * my) - (s[2] * n[0] - s[0] * n[2]);
+    t[2] = (v[2] - q * mz) - (s[0] * n[1] - s[1] * n[0]);
+  } else {
+    t[0] = (v[0] - vn * n[0]) - (s[1] * n[2] - s[2] * n[1]);
+    t[1] = (v[1] - vn * n[1]) - (s[2] * n[0] - s[0] * n[2]);
+    t[2] = (v[2] - vn * n[2]) - (s[0] * n[1] - s[1] * n[0]);
+  }
+}
+
+template <class S, bool Friction, bool Multi, bool Energy>
+void force(Linear, Block& b, const LawArgs& a) {
+  using B = typename S::B;
+  const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt), hdt = S::set(0.5 * a.dt);
+  // Tangential compliance of two rolling spheres is 7/2 of the translational one (I = 2/5 m r^2, lever r).
+  const B hdt_t = S::set(0.5 * 3.5 * a.dt);
+  Coefficients<S, Multi> c;
+  if constexpr (!Multi) c.load(b, a, 0);
+  for (int k = 0; k < b.n; k += S::W) {
+    if constexpr (Multi) c.load(b, a, k);
+    const B x[3] = {S::load(b.x + k), S::load(b.y + k), S::load(b.z + k)};
+    const B v[3] = {S::load(b.r[0] + k), S::load(b.r[1] + k), S::load(b.r[2] + k)};
+    const B ms = S::load(b.r[Friction ? 7 : 3] + k), w = S::load(b.w + k);
+    const B d = S::sqrt((x[0] * x[0] + x[1] * x[1]) + x[2] * x[2]);
+    const B inv = one / d, meff = one / ms, delta = w - d;
+    const B n[3] = {x[0] * inv, x[1] * inv, x[2] * inv};
+    const B vn = (v[0] * n[0] + v[1] * n[1]) + v[2] * n[2];
+    B gn = c.gn, gt = c.gt;
+    if (a.by_restitution != 0) {
+      gn = c.gn * S::sqrt(c.kn * ms);
+      gt = c.gt * S::sqrt(c.kn * ms);
+    }
+    B fn = c.kn * delta;
+    B gn_eff = gn;
+    if (a.centred != 0) {
+      const B step = S::abs(vn) * dt;
+      const auto brief = S::lt(delta, step);
+      if (a.onset != 0 && S::any(brief)) gn_eff = S::select(brief, gn * (half + delta / step), gn);
+      fn = (fn - gn_eff * (meff * vn)) / (one + hdt * gn_eff);
+    } else {
+      fn = fn - gn * (meff * vn);
+    }
+    B f[3] = {fn * n[0], fn * n[1], fn * n[2]};
+    if constexpr (Energy) {
+      // Velocity at n from this contact alone; the loss of the step is the dashpot's power at n.
+      const B vc = a.centred != 0 ? vn + hdt * (fn * ms) : vn;
+      S::store(b.e[0] + k, half * (c.kn * (delta * delta)));
+      S::store(b.e[1] + k, dt * ((gn_eff * meff) * (vc * vc)));
+      S::store(b.e[2] + k, zero);
+    }
+    if constexpr (Friction) {
+      const B lever = a.contact_lever != 0 ? d / w : one;
+      const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
+      B t[3];
+      tangential_velocity<S>(v, s, x, n, vn, a.dt, a.synchronised, t);
+      B h[3] = {S::load(b.h[0] + k), S::load(b.h[1] + k), S::load(b.h[2] + k)};
+      const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
+      const B o2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
+      const B gm = gt * meff, shrink = a.centred != 0 ? one / (one + hdt_t * gt) : one;
+      B g[3];
+      for (int q = 0; q < 3; ++q) {
+        h[q] = (h[q] - hn * n[q]) + t[q] * dt;
+        g[q] = zero - (c.kt * h[q] + gm * t[q]) * shrink;
+      }
+      const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
+      const B limit = c.mu * S::select(S::gt(fn, zero), fn, zero);
+      const auto slides = S::gt(g2, limit * limit);
+      if (S::any(slides)) {
+        // Coulomb: scale the force, and set the spring to what carries the scaled force.
+        const B scale = S::select(slides, limit / S::sqrt(g2), one);
+        const B back = one / (c.kt * shrink);
+        for (int q = 0; q < 3; ++q) {
+          g[q] = g[q] * scale;
+          h[q] = S::select(slides, zero - (g[q] + (gm * shrink) * t[q]) * back, h[q]);
+        }
+      }
+      for (int q = 0; q < 3; ++q) {
+        S::store(b.h[q] + k, h[q]);
+        f[q] = f[q] + g[q];
+      }
+      if constexpr (Energy) {
+        const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
+        const B gv = (g[0] * t[0] + g[1] * t[1]) + g[2] * t[2], t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
+        const B viscous = dt * (gm * t2), stored = half * (c.kt * (h2 - o2));
+        S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (c.kt * h2));
+        // Whatever the tangential force takes out and neither spring nor dashpot accounts for was rubbed away.
+        const B lost = zero - dt * gv - stored;
+        const auto sticking = S::gt(viscous, lost);
+        const B damped = S::select(sticking, lost, viscous);
+        S::store(b.e[1] + k, S::load(b.e[1] + k) + damped);
+        S::store(b.e[2] + k, lost - damped);
+      }
+      // T / r = -lever n x F_t, the same for both partners.
+      S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));
+      S::store(b.r[5] + k, lever * (n[0] * g[2] - n[2] * g[0]));
+      S::store(b.r[6] + k, lever * (n[1] * g[0] - n[0] * g[1]));
+      S::store(b.r[7] + k, zero);
+    }
+    S::store(b.r[0] + k, f[0]);
+    S::store(b.r[1] + k, f[1]);
+    S::store(b.r[2] + k, f[2]);
+    S::store(b.r[3] + k, c.kn);
+  }
+}
+
+}  // namespace talus::kernels

@@ -1,0 +1,129 @@
+// Narrow phase: exact touch test of candidate pairs, compaction of the touching ones, history carry-over.
+// Instantiated by isa_*.cpp. Invariants: I3 (contacts keep the order of the candidates), I5 (history of a pair that does
+// not touch is dropped here).
+#pragma once
+
+#include "kernels/simd.hpp"
+#include "kernels/views.hpp"
+
+namespace talus::kernels {
+
+/// Minimum image by compare and select (DESIGN I4: no rounding functions).
+template <class S>
+TALUS_INLINE void minimum_image(typename S::B& x, double half, double period) {
+  const auto zero = S::set(0.0), l = S::set(period);
+  const auto d = x;
+  x = d - S::select(S::gt(d, S::set(half)), l, zero) + S::select(S::lt(d, S::set(-half)), l, zero);
+}
+
+/// Copies the history of eight slots from the old compact order to the new one; slots that did not touch start at zero.
+TALUS_INLINE void carry_history(unsigned old_bits, unsigned new_bits, const double* from, double* to) {
+  if (old_bits == new_bits) {  // the usual case in dense beds; reads and writes up to 8, padding allows it
+    for (int k = 0; k < 8; ++k) to[k] = from[k];
+    return;
+  }
+  int o = 0, n = 0;
+  for (int k = 0; k < 8; ++k) {
+    const unsigned was = (old_bits >> k) & 1U, is = (new_bits >> k) & 1U;
+    if (is != 0) to[n++] = was != 0 ? from[o] : 0.0;
+    o += static_cast<int>(was);
+  }
+}
+
+template <class S>
+void narrow(NarrowArgs& a) {
+  using B = typename S::B;
+  std::int32_t *ci = a.ci, *cj = a.cj;
+  double *x = a.x, *y = a.y, *z = a.z, *w = a.w;
+  const double* from[k_max_history];
+  double* to[k_max_history];
+  for (int k = 0; k < a.history; ++k) {
+    from[k] = a.h_old[k];
+    to[k] = a.h_new[k];
+  }
+  a.deep_slot = -1;
+  const B deep = S::set(a.deep);
+  std::int64_t s = 0;
+  for (int section = 0; section < 3; ++section) {
+    for (; s < a.end[section]; s += 8) {
+      unsigned bits = 0;
+      for (int k = 0; k < 8; k += S::W) {
+        B d[4];
+        S::pair_rows4(a.p, a.pi + s + k, a.pj + s + k, d);
+        if (a.periodic != 0)
+          for (int c = 0; c < 3; ++c) minimum_image<S>(d[c], a.half[c], a.period[c]);
+        const B d2 = (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
+        const auto m = S::lt(d2, d[3] * d[3]);
+        const B wd = d[3] * deep;
+        if (S::any(S::lt(d2, wd * wd))) a.deep_slot = s + k;
+        x = S::compress(x, d[0], m);
+        y = S::compress(y, d[1], m);
+        z = S::compress(z, d[2], m);
+        w = S::compress(w, d[3], m);
+        S::compress_index(ci, a.pi + s + k, m);
+        S::compress_index(cj, a.pj + s + k, m);
+        const unsigned b = S::bits(m);
+        const int n = __builtin_popcount(b);
+        ci += n;
+        cj += n;
+        bits |= b << k;
+      }
+      const unsigned was = a.mask[s >> 3];
+      a.mask[s >> 3] = static_cast<std::uint8_t>(bits);
+      const int no = __builtin_popcount(was), nn = __builtin_popcount(bits);
+      for (int k = 0; k < a.history; ++k) {
+        carry_history(was, bits, from[k], to[k]);
+        from[k] += no;
+        to[k] += nn;
+      }
+    }
+    a.contact_end[section] = x - a.x;
+  }
+}
+
+/// Relative velocity rows of a block's contacts (and R*, material pair where asked for).
+template <class S, bool Rotation>
+void gather(const GatherArgs& a) {
+  using B = typename S::B;
+  constexpr int rows = Rotation ? 8 : 4;
+  for (int k = 0; k < a.n; k += S::W) {
+    B r[rows];
+    if constexpr (Rotation) S::pair_rows8(a.v, a.i + k, a.j + k, r);
+    else S::pair_rows4(a.v, a.i + k, a.j + k, r);
+    for (int c = 0; c < rows; ++c) S::store(a.r[c] + k, r[c]);
+  }
+  if (a.reff != nullptr)
+    for (int k = 0; k < a.n; ++k) {
+      const double ri = a.p[4L * a.i[k] + 3], rj = a.p[4L * a.j[k] + 3];
+      a.reff[k] = (ri * rj) / (ri + rj);
+    }
+  if (a.pair != nullptr)
+    for (int k = 0; k < a.n; ++k) a.pair[k] = a.material[a.i[k]] * a.materials + a.material[a.j[k]];
+}
+
+/// Adds the block's force rows to the particles, contact by contact in list order (I3).
+template <class S, bool Rotation>
+void scatter(const ScatterArgs& a) {
+  using B = typename S::B;
+  constexpr int rows = Rotation ? 8 : 4;
+  int k = 0;
+  for (; k + S::W <= a.n; k += S::W) {
+    B r[rows];
+    for (int c = 0; c < rows; ++c) r[c] = S::load(a.r[c] + k);
+    bool both[S::W];
+    for (int q = 0; q < S::W; ++q) both[q] = k + q >= a.both_from && k + q < a.both_to;
+    if constexpr (Rotation) S::scatter8(a.f, a.i + k, a.j + k, r, both);
+    else S::scatter4(a.f, a.i + k, a.j + k, r, both);
+  }
+  for (; k < a.n; ++k) {
+    double* fa = a.f + static_cast<long>(rows) * a.i[k];
+    for (int c = 0; c < rows; ++c) fa[c] = fa[c] + a.r[c][k];
+    if (k >= a.both_from && k < a.both_to) {
+      double* fb = a.f + static_cast<long>(rows) * a.j[k];
+      for (int c = 0; c < 3; ++c) fb[c] = fb[c] - a.r[c][k];
+      for (int c = 3; c < rows; ++c) fb[c] = fb[c] + a.r[c][k];
+    }
+  }
+}
+
+}  // namespace talus::kernels

@@ -1,0 +1,498 @@
+// SIMD shim: what the kernels need beyond xsimd 8.1 (row loads with transposition, compress, expand, bit masks), one
+// struct per architecture. Included only by kernel headers, which only isa_*.cpp instantiate, so that no function
+// compiled for a newer instruction set can be linked into a path for an older one (everything is a template on or a
+// static member of the architecture struct). All lanes compute the same IEEE operations on every architecture.
+#pragma once
+
+#include <immintrin.h>
+
+#include <cstdint>
+#include <xsimd/xsimd.hpp>
+
+namespace talus::simd {
+
+#define TALUS_INLINE inline __attribute__((always_inline))
+
+/// Scalar "batch" of one lane: the architecture every other one must agree with bit for bit.
+struct One {
+  double v;
+};
+TALUS_INLINE One operator+(One a, One b) { return {a.v + b.v}; }
+TALUS_INLINE One operator-(One a, One b) { return {a.v - b.v}; }
+TALUS_INLINE One operator*(One a, One b) { return {a.v * b.v}; }
+TALUS_INLINE One operator/(One a, One b) { return {a.v / b.v}; }
+
+/// Portable implementation on arrays of one lane.
+struct Scalar {
+  static constexpr int W = 1;
+  static constexpr const char* name = "scalar";
+  using B = One;
+  using M = bool;
+  TALUS_INLINE static B set(double a) { return {a}; }
+  TALUS_INLINE static B load(const double* p) { return {*p}; }
+  TALUS_INLINE static void store(double* p, B a) { *p = a.v; }
+  TALUS_INLINE static B sqrt(B a) { return {__builtin_sqrt(a.v)}; }
+  TALUS_INLINE static B abs(B a) { return {__builtin_fabs(a.v)}; }
+  TALUS_INLINE static M lt(B a, B b) { return a.v < b.v; }
+  TALUS_INLINE static M gt(B a, B b) { return a.v > b.v; }
+  TALUS_INLINE static M both(M a, M b) { return a && b; }
+  TALUS_INLINE static bool any(M m) { return m; }
+  TALUS_INLINE static unsigned bits(M m) { return m ? 1U : 0U; }
+  TALUS_INLINE static B select(M m, B a, B b) { return m ? a : b; }
+  /// Differences (x, y, z) and sum (r) of position rows a - b, one lane per pair.
+  TALUS_INLINE static void pair_rows4(const double* p, const std::int32_t* a, const std::int32_t* b, B* o) {
+    const double *ra = p + 4L * a[0], *rb = p + 4L * b[0];
+    for (int k = 0; k < 3; ++k) o[k] = {ra[k] - rb[k]};
+    o[3] = {ra[3] + rb[3]};
+  }
+  /// Rows of 8: lanes 0..3 are differences, 4..7 sums.
+  TALUS_INLINE static void pair_rows8(const double* p, const std::int32_t* a, const std::int32_t* b, B* o) {
+    const double *ra = p + 8L * a[0], *rb = p + 8L * b[0];
+    for (int k = 0; k < 4; ++k) o[k] = {ra[k] - rb[k]};
+    for (int k = 4; k < 8; ++k) o[k] = {ra[k] + rb[k]};
+  }
+  TALUS_INLINE static double* compress(double* p, B a, M m) {
+    *p = a.v;
+    return p + m;
+  }
+  TALUS_INLINE static void compress_index(std::int32_t* p, const std::int32_t* src, M m) {
+    if (m) *p = *src;
+  }
+  /// Adds W force rows of 8 (or 4) lanes to rows of f; `plus` rows get +, `minus` rows get the partner's sign.
+  TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) {
+    double* fa = f + 8L * a[0];
+    for (int k = 0; k < 8; ++k) fa[k] = fa[k] + r[k].v;
+    if (both[0]) {
+      double* fb = f + 8L * b[0];
+      for (int k = 0; k < 3; ++k) fb[k] = fb[k] - r[k].v;
+      for (int k = 3; k < 8; ++k) fb[k] = fb[k] + r[k].v;
+    }
+  }
+  TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) {
+    double* fa = f + 4L * a[0];
+    for (int k = 0; k < 4; ++k) fa[k] = fa[k] + r[k].v;
+    if (both[0]) {
+      double* fb = f + 4L * b[0];
+      for (int k = 0; k < 3; ++k) fb[k] = fb[k] - r[k].v;
+      fb[3] = fb[3] + r[3].v;
+    }
+  }
+  // Rows for the integrator: 4 and 8 doubles as a unit.
+  struct R4 {
+    double v[4];
+  };
+  struct R8 {
+    double v[8];
+  };
+#define TALUS_ROW_OP(R, N, OP)                                 \
+  TALUS_INLINE friend R operator OP(const R& a, const R& b) {  \
+    R c;                                                       \
+    for (int k = 0; k < N; ++k) c.v[k] = a.v[k] OP b.v[k];     \
+    return c;                                                  \
+  }
+  TALUS_INLINE static R4 add4(const R4& a, const R4& b) { R4 c; for (int k = 0; k < 4; ++k) c.v[k] = a.v[k] + b.v[k]; return c; }
+  TALUS_INLINE static R4 sub4(const R4& a, const R4& b) { R4 c; for (int k = 0; k < 4; ++k) c.v[k] = a.v[k] - b.v[k]; return c; }
+  TALUS_INLINE static R4 mul4(const R4& a, const R4& b) { R4 c; for (int k = 0; k < 4; ++k) c.v[k] = a.v[k] * b.v[k]; return c; }
+  TALUS_INLINE static R4 load4(const double* p) { R4 c; for (int k = 0; k < 4; ++k) c.v[k] = p[k]; return c; }
+  TALUS_INLINE static void store4(double* p, const R4& a) { for (int k = 0; k < 4; ++k) p[k] = a.v[k]; }
+  TALUS_INLINE static R4 set4(double a) { return {{a, a, a, a}}; }
+  TALUS_INLINE static unsigned lt4(const R4& a, const R4& b) { unsigned m = 0; for (int k = 0; k < 4; ++k) m |= (a.v[k] < b.v[k] ? 1U : 0U) << k; return m; }
+  TALUS_INLINE static R4 and4(const R4& a, unsigned m) { R4 c; for (int k = 0; k < 4; ++k) c.v[k] = (m >> k) & 1U ? a.v[k] : 0.0; return c; }
+  TALUS_INLINE static R8 add8(const R8& a, const R8& b) { R8 c; for (int k = 0; k < 8; ++k) c.v[k] = a.v[k] + b.v[k]; return c; }
+  TALUS_INLINE static R8 mul8(const R8& a, const R8& b) { R8 c; for (int k = 0; k < 8; ++k) c.v[k] = a.v[k] * b.v[k]; return c; }
+  TALUS_INLINE static R8 load8(const double* p) { R8 c; for (int k = 0; k < 8; ++k) c.v[k] = p[k]; return c; }
+  TALUS_INLINE static void store8(double* p, const R8& a) { for (int k = 0; k < 8; ++k) p[k] = a.v[k]; }
+  TALUS_INLINE static R8 set8(double a) { R8 c; for (int k = 0; k < 8; ++k) c.v[k] = a; return c; }
+  TALUS_INLINE static R4 low4(const R8& a) { return {{a.v[0], a.v[1], a.v[2], a.v[3]}}; }
+  // Pair search in float32, F lanes.
+  static constexpr int F = 1;
+  /// Bit k set where candidate k (of up to F) lies within the summed reach: |x - q|^2 < (r + q_r)^2.
+  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy, const float* qz,
+                                     const float* qr) {
+    const float dx = x - *qx, dy = y - *qy, dz = z - *qz, s = r + *qr;
+    return (dx * dx + dy * dy) + dz * dz < s * s ? 1U : 0U;
+  }
+  TALUS_INLINE static unsigned index_gt(const std::int32_t* j, std::int32_t i) { return *j > i ? 1U : 0U; }
+  TALUS_INLINE static int compress_i32(std::int32_t* out, const std::int32_t* src, unsigned m) {
+    *out = *src;
+    return static_cast<int>(m & 1U);
+  }
+};
+#undef TALUS_ROW_OP
+
+#ifdef __SSE2__
+struct Sse2 {
+  static constexpr int W = 2;
+  static constexpr const char* name = "sse2";
+  using B = xsimd::batch<double, xsimd::sse2>;
+  using M = __m128d;
+  TALUS_INLINE static B set(double a) { return B(a); }
+  TALUS_INLINE static B load(const double* p) { return _mm_loadu_pd(p); }
+  TALUS_INLINE static void store(double* p, B a) { _mm_storeu_pd(p, a); }
+  TALUS_INLINE static B sqrt(B a) { return _mm_sqrt_pd(a); }
+  TALUS_INLINE static B abs(B a) { return _mm_andnot_pd(_mm_set1_pd(-0.0), a); }
+  TALUS_INLINE static M lt(B a, B b) { return _mm_cmplt_pd(a, b); }
+  TALUS_INLINE static M gt(B a, B b) { return _mm_cmpgt_pd(a, b); }
+  TALUS_INLINE static M both(M a, M b) { return _mm_and_pd(a, b); }
+  TALUS_INLINE static bool any(M m) { return _mm_movemask_pd(m) != 0; }
+  TALUS_INLINE static unsigned bits(M m) { return static_cast<unsigned>(_mm_movemask_pd(m)); }
+  TALUS_INLINE static B select(M m, B a, B b) { return _mm_or_pd(_mm_and_pd(m, a), _mm_andnot_pd(m, b)); }
+  TALUS_INLINE static void two(__m128d r0, __m128d r1, B* o) {
+    o[0] = _mm_unpacklo_pd(r0, r1);
+    o[1] = _mm_unpackhi_pd(r0, r1);
+  }
+  TALUS_INLINE static void pair_rows4(const double* p, const std::int32_t* a, const std::int32_t* b, B* o) {
+    const double *a0 = p + 4L * a[0], *a1 = p + 4L * a[1], *b0 = p + 4L * b[0], *b1 = p + 4L * b[1];
+    const __m128d s = _mm_set_pd(-0.0, 0.0);
+    two(_mm_sub_pd(_mm_load_pd(a0), _mm_load_pd(b0)), _mm_sub_pd(_mm_load_pd(a1), _mm_load_pd(b1)), o);
+    two(_mm_sub_pd(_mm_load_pd(a0 + 2), _mm_xor_pd(_mm_load_pd(b0 + 2), s)),
+        _mm_sub_pd(_mm_load_pd(a1 + 2), _mm_xor_pd(_mm_load_pd(b1 + 2), s)), o + 2);
+  }
+  TALUS_INLINE static void pair_rows8(const double* p, const std::int32_t* a, const std::int32_t* b, B* o) {
+    const double *a0 = p + 8L * a[0], *a1 = p + 8L * a[1], *b0 = p + 8L * b[0], *b1 = p + 8L * b[1];
+    for (int k = 0; k < 4; k += 2)
+      two(_mm_sub_pd(_mm_load_pd(a0 + k), _mm_load_pd(b0 + k)), _mm_sub_pd(_mm_load_pd(a1 + k), _mm_load_pd(b1 + k)), o + k);
+    for (int k = 4; k < 8; k += 2)
+      two(_mm_add_pd(_mm_load_pd(a0 + k), _mm_load_pd(b0 + k)), _mm_add_pd(_mm_load_pd(a1 + k), _mm_load_pd(b1 + k)), o + k);
+  }
+  TALUS_INLINE static double* compress(double* p, B a, M m) {
+    const unsigned k = bits(m);
+    const __m128d v = a;
+    _mm_storeu_pd(p, k == 2 ? _mm_unpackhi_pd(v, v) : v);
+    return p + __builtin_popcount(k);
+  }
+  TALUS_INLINE static void compress_index(std::int32_t* p, const std::int32_t* src, M m) {
+    const unsigned k = bits(m);
+    if (k & 1U) *p++ = src[0];
+    if (k & 2U) *p = src[1];
+  }
+  TALUS_INLINE static void add_row(double* f, const __m128d* r, int n, bool minus) {
+    const __m128d s01 = _mm_set1_pd(-0.0), s2 = _mm_set_pd(0.0, -0.0);
+    for (int k = 0; k < n; ++k) {
+      __m128d v = r[k];
+      if (minus && k == 0) v = _mm_xor_pd(v, s01);
+      if (minus && k == 1) v = _mm_xor_pd(v, s2);
+      _mm_store_pd(f + 2 * k, _mm_add_pd(_mm_load_pd(f + 2 * k), v));
+    }
+  }
+  template <int N>
+  TALUS_INLINE static void scatter(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) {
+    __m128d row0[N / 2], row1[N / 2];
+    for (int k = 0; k < N / 2; ++k) {
+      row0[k] = _mm_unpacklo_pd(r[2 * k], r[2 * k + 1]);
+      row1[k] = _mm_unpackhi_pd(r[2 * k], r[2 * k + 1]);
+    }
+    add_row(f + static_cast<long>(N) * a[0], row0, N / 2, false);
+    if (both[0]) add_row(f + static_cast<long>(N) * b[0], row0, N / 2, true);
+    add_row(f + static_cast<long>(N) * a[1], row1, N / 2, false);
+    if (both[1]) add_row(f + static_cast<long>(N) * b[1], row1, N / 2, true);
+  }
+  TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) { scatter<8>(f, a, b, r, both); }
+  TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) { scatter<4>(f, a, b, r, both); }
+  struct R4 {
+    __m128d v[2];
+  };
+  struct R8 {
+    __m128d v[4];
+  };
+  TALUS_INLINE static R4 add4(const R4& a, const R4& b) { return {{_mm_add_pd(a.v[0], b.v[0]), _mm_add_pd(a.v[1], b.v[1])}}; }
+  TALUS_INLINE static R4 sub4(const R4& a, const R4& b) { return {{_mm_sub_pd(a.v[0], b.v[0]), _mm_sub_pd(a.v[1], b.v[1])}}; }
+  TALUS_INLINE static R4 mul4(const R4& a, const R4& b) { return {{_mm_mul_pd(a.v[0], b.v[0]), _mm_mul_pd(a.v[1], b.v[1])}}; }
+  TALUS_INLINE static R4 load4(const double* p) { return {{_mm_load_pd(p), _mm_load_pd(p + 2)}}; }
+  TALUS_INLINE static void store4(double* p, const R4& a) { _mm_store_pd(p, a.v[0]); _mm_store_pd(p + 2, a.v[1]); }
+  TALUS_INLINE static R4 set4(double a) { return {{_mm_set1_pd(a), _mm_set1_pd(a)}}; }
+  TALUS_INLINE static unsigned lt4(const R4& a, const R4& b) {
+    return static_cast<unsigned>(_mm_movemask_pd(_mm_cmplt_pd(a.v[0], b.v[0])) | _mm_movemask_pd(_mm_cmplt_pd(a.v[1], b.v[1])) << 2);
+  }
+  TALUS_INLINE static R4 and4(const R4& a, unsigned m) {
+    alignas(16) double t[4];
+    store4(t, a);
+    for (int k = 0; k < 4; ++k) if (!((m >> k) & 1U)) t[k] = 0.0;
+    return load4(t);
+  }
+  TALUS_INLINE static R8 add8(const R8& a, const R8& b) { R8 c; for (int k = 0; k < 4; ++k) c.v[k] = _mm_add_pd(a.v[k], b.v[k]); return c; }
+  TALUS_INLINE static R8 mul8(const R8& a, const R8& b) { R8 c; for (int k = 0; k < 4; ++k) c.v[k] = _mm_mul_pd(a.v[k], b.v[k]); return c; }
+  TALUS_INLINE static R8 load8(const double* p) { R8 c; for (int k = 0; k < 4; ++k) c.v[k] = _mm_load_pd(p + 2 * k); return c; }
+  TALUS_INLINE static void store8(double* p, const R8& a) { for (int k = 0; k < 4; ++k) _mm_store_pd(p + 2 * k, a.v[k]); }
+  TALUS_INLINE static R8 set8(double a) { R8 c; for (int k = 0; k < 4; ++k) c.v[k] = _mm_set1_pd(a); return c; }
+  TALUS_INLINE static R4 low4(const R8& a) { return {{a.v[0], a.v[1]}}; }
+  static constexpr int F = 4;
+  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy, const float* qz, const float* qr) {
+    const __m128 dx = _mm_sub_ps(_mm_set1_ps(x), _mm_loadu_ps(qx)), dy = _mm_sub_ps(_mm_set1_ps(y), _mm_loadu_ps(qy));
+    const __m128 dz = _mm_sub_ps(_mm_set1_ps(z), _mm_loadu_ps(qz)), s = _mm_add_ps(_mm_set1_ps(r), _mm_loadu_ps(qr));
+    const __m128 d2 = _mm_add_ps(_mm_add_ps(_mm_mul_ps(dx, dx), _mm_mul_ps(dy, dy)), _mm_mul_ps(dz, dz));
+    return static_cast<unsigned>(_mm_movemask_ps(_mm_cmplt_ps(d2, _mm_mul_ps(s, s))));
+  }
+  TALUS_INLINE static unsigned index_gt(const std::int32_t* j, std::int32_t i) {
+    return static_cast<unsigned>(_mm_movemask_ps(_mm_castsi128_ps(_mm_cmpgt_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(j)), _mm_set1_epi32(i)))));
+  }
+  TALUS_INLINE static int compress_i32(std::int32_t* out, const std::int32_t* src, unsigned m) {
+    int n = 0;
+    for (; m != 0; m &= m - 1) out[n++] = src[__builtin_ctz(m)];
+    return n;
+  }
+};
+#endif
+
+#ifdef __AVX2__
+struct Avx2 {
+  static constexpr int W = 4;
+  static constexpr const char* name = "avx2";
+  using B = xsimd::batch<double, xsimd::avx2>;
+  using M = __m256d;
+  TALUS_INLINE static B set(double a) { return B(a); }
+  TALUS_INLINE static B load(const double* p) { return _mm256_loadu_pd(p); }
+  TALUS_INLINE static void store(double* p, B a) { _mm256_storeu_pd(p, a); }
+  TALUS_INLINE static B sqrt(B a) { return _mm256_sqrt_pd(a); }
+  TALUS_INLINE static B abs(B a) { return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a); }
+  TALUS_INLINE static M lt(B a, B b) { return _mm256_cmp_pd(a, b, _CMP_LT_OQ); }
+  TALUS_INLINE static M gt(B a, B b) { return _mm256_cmp_pd(a, b, _CMP_GT_OQ); }
+  TALUS_INLINE static M both(M a, M b) { return _mm256_and_pd(a, b); }
+  TALUS_INLINE static bool any(M m) { return _mm256_movemask_pd(m) != 0; }
+  TALUS_INLINE static unsigned bits(M m) { return static_cast<unsigned>(_mm256_movemask_pd(m)); }
+  TALUS_INLINE static B select(M m, B a, B b) { return _mm256_blendv_pd(b, a, m); }
+  TALUS_INLINE static void transpose(__m256d& a, __m256d& b, __m256d& c, __m256d& d) {
+    const __m256d t0 = _mm256_unpacklo_pd(a, b), t1 = _mm256_unpackhi_pd(a, b);
+    const __m256d t2 = _mm256_unpacklo_pd(c, d), t3 = _mm256_unpackhi_pd(c, d);
+    a = _mm256_permute2f128_pd(t0, t2, 0x20);
+    b = _mm256_permute2f128_pd(t1, t3, 0x20);
+    c = _mm256_permute2f128_pd(t0, t2, 0x31);
+    d = _mm256_permute2f128_pd(t1, t3, 0x31);
+  }
+  TALUS_INLINE static void pair_rows4(const double* p, const std::int32_t* a, const std::int32_t* b, B* o) {
+    const __m256d s = _mm256_set_pd(-0.0, 0.0, 0.0, 0.0);
+    __m256d r[4];
+    for (int k = 0; k < 4; ++k) r[k] = _mm256_sub_pd(_mm256_load_pd(p + 4L * a[k]), _mm256_xor_pd(_mm256_load_pd(p + 4L * b[k]), s));
+    transpose(r[0], r[1], r[2], r[3]);
+    for (int k = 0; k < 4; ++k) o[k] = r[k];
+  }
+  TALUS_INLINE static void pair_rows8(const double* p, const std::int32_t* a, const std::int32_t* b, B* o) {
+    __m256d r[4], q[4];
+    for (int k = 0; k < 4; ++k) {
+      const double *ra = p + 8L * a[k], *rb = p + 8L * b[k];
+      r[k] = _mm256_sub_pd(_mm256_load_pd(ra), _mm256_load_pd(rb));
+      q[k] = _mm256_add_pd(_mm256_load_pd(ra + 4), _mm256_load_pd(rb + 4));
+    }
+    transpose(r[0], r[1], r[2], r[3]);
+    transpose(q[0], q[1], q[2], q[3]);
+    for (int k = 0; k < 4; ++k) {
+      o[k] = r[k];
+      o[k + 4] = q[k];
+    }
+  }
+  /// Lane permutation that moves the set lanes of a 4-bit mask to the front, as 32-bit halves.
+  static const std::int32_t* lut(unsigned m) {
+    alignas(32) static constexpr std::int32_t t[16][8] = {
+        {0, 1, 2, 3, 4, 5, 6, 7}, {0, 1, 2, 3, 4, 5, 6, 7}, {2, 3, 0, 1, 4, 5, 6, 7}, {0, 1, 2, 3, 4, 5, 6, 7},
+        {4, 5, 0, 1, 2, 3, 6, 7}, {0, 1, 4, 5, 2, 3, 6, 7}, {2, 3, 4, 5, 0, 1, 6, 7}, {0, 1, 2, 3, 4, 5, 6, 7},
+        {6, 7, 0, 1, 2, 3, 4, 5}, {0, 1, 6, 7, 2, 3, 4, 5}, {2, 3, 6, 7, 0, 1, 4, 5}, {0, 1, 2, 3, 6, 7, 4, 5},
+        {4, 5, 6, 7, 0, 1, 2, 3}, {0, 1, 4, 5, 6, 7, 2, 3}, {2, 3, 4, 5, 6, 7, 0, 1}, {0, 1, 2, 3, 4, 5, 6, 7}};
+    return t[m];
+  }
+  TALUS_INLINE static double* compress(double* p, B a, M m) {
+    const unsigned k = bits(m);
+    const __m256i idx = _mm256_load_si256(reinterpret_cast<const __m256i*>(lut(k)));
+    _mm256_storeu_pd(p, _mm256_castsi256_pd(_mm256_permutevar8x32_epi32(_mm256_castpd_si256(a), idx)));
+    return p + __builtin_popcount(k);
+  }
+  TALUS_INLINE static void compress_index(std::int32_t* p, const std::int32_t* src, M m) {
+    for (unsigned k = bits(m); k != 0; k &= k - 1) *p++ = src[__builtin_ctz(k)];
+  }
+  TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) {
+    __m256d p[4] = {r[0], r[1], r[2], r[3]}, q[4] = {r[4], r[5], r[6], r[7]};
+    transpose(p[0], p[1], p[2], p[3]);
+    transpose(q[0], q[1], q[2], q[3]);
+    const __m256d s = _mm256_set_pd(0.0, -0.0, -0.0, -0.0);
+    for (int k = 0; k < 4; ++k) {
+      double* fa = f + 8L * a[k];
+      _mm256_store_pd(fa, _mm256_add_pd(_mm256_load_pd(fa), p[k]));
+      _mm256_store_pd(fa + 4, _mm256_add_pd(_mm256_load_pd(fa + 4), q[k]));
+      if (both[k]) {
+        double* fb = f + 8L * b[k];
+        _mm256_store_pd(fb, _mm256_add_pd(_mm256_load_pd(fb), _mm256_xor_pd(p[k], s)));
+        _mm256_store_pd(fb + 4, _mm256_add_pd(_mm256_load_pd(fb + 4), q[k]));
+      }
+    }
+  }
+  TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) {
+    __m256d p[4] = {r[0], r[1], r[2], r[3]};
+    transpose(p[0], p[1], p[2], p[3]);
+    const __m256d s = _mm256_set_pd(0.0, -0.0, -0.0, -0.0);
+    for (int k = 0; k < 4; ++k) {
+      double* fa = f + 4L * a[k];
+      _mm256_store_pd(fa, _mm256_add_pd(_mm256_load_pd(fa), p[k]));
+      if (both[k]) {
+        double* fb = f + 4L * b[k];
+        _mm256_store_pd(fb, _mm256_add_pd(_mm256_load_pd(fb), _mm256_xor_pd(p[k], s)));
+      }
+    }
+  }
+  using R4 = __m256d;
+  struct R8 {
+    __m256d v[2];
+  };
+  TALUS_INLINE static R4 add4(R4 a, R4 b) { return _mm256_add_pd(a, b); }
+  TALUS_INLINE static R4 sub4(R4 a, R4 b) { return _mm256_sub_pd(a, b); }
+  TALUS_INLINE static R4 mul4(R4 a, R4 b) { return _mm256_mul_pd(a, b); }
+  TALUS_INLINE static R4 load4(const double* p) { return _mm256_load_pd(p); }
+  TALUS_INLINE static void store4(double* p, R4 a) { _mm256_store_pd(p, a); }
+  TALUS_INLINE static R4 set4(double a) { return _mm256_set1_pd(a); }
+  TALUS_INLINE static unsigned lt4(R4 a, R4 b) { return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LT_OQ))); }
+  TALUS_INLINE static R4 and4(R4 a, unsigned m) {
+    const __m256i sel = _mm256_sllv_epi64(_mm256_set1_epi64x(m), _mm256_set_epi64x(60, 61, 62, 63));
+    return _mm256_blendv_pd(_mm256_setzero_pd(), a, _mm256_castsi256_pd(sel));
+  }
+  TALUS_INLINE static R8 add8(R8 a, R8 b) { return {{_mm256_add_pd(a.v[0], b.v[0]), _mm256_add_pd(a.v[1], b.v[1])}}; }
+  TALUS_INLINE static R8 mul8(R8 a, R8 b) { return {{_mm256_mul_pd(a.v[0], b.v[0]), _mm256_mul_pd(a.v[1], b.v[1])}}; }
+  TALUS_INLINE static R8 load8(const double* p) { return {{_mm256_load_pd(p), _mm256_load_pd(p + 4)}}; }
+  TALUS_INLINE static void store8(double* p, R8 a) { _mm256_store_pd(p, a.v[0]); _mm256_store_pd(p + 4, a.v[1]); }
+  TALUS_INLINE static R8 set8(double a) { return {{_mm256_set1_pd(a), _mm256_set1_pd(a)}}; }
+  TALUS_INLINE static R4 low4(R8 a) { return a.v[0]; }
+  static constexpr int F = 8;
+  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy, const float* qz, const float* qr) {
+    const __m256 dx = _mm256_sub_ps(_mm256_set1_ps(x), _mm256_loadu_ps(qx)), dy = _mm256_sub_ps(_mm256_set1_ps(y), _mm256_loadu_ps(qy));
+    const __m256 dz = _mm256_sub_ps(_mm256_set1_ps(z), _mm256_loadu_ps(qz)), s = _mm256_add_ps(_mm256_set1_ps(r), _mm256_loadu_ps(qr));
+    const __m256 d2 = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(dx, dx), _mm256_mul_ps(dy, dy)), _mm256_mul_ps(dz, dz));
+    return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(d2, _mm256_mul_ps(s, s), _CMP_LT_OQ)));
+  }
+  TALUS_INLINE static unsigned index_gt(const std::int32_t* j, std::int32_t i) {
+    return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(
+        _mm256_cmpgt_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(j)), _mm256_set1_epi32(i)))));
+  }
+  TALUS_INLINE static int compress_i32(std::int32_t* out, const std::int32_t* src, unsigned m) {
+    int n = 0;
+    for (; m != 0; m &= m - 1) out[n++] = src[__builtin_ctz(m)];
+    return n;
+  }
+};
+#endif
+
+#if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512DQ__)
+struct Avx512 {
+  static constexpr int W = 8;
+  static constexpr const char* name = "avx512";
+  using B = xsimd::batch<double, xsimd::avx512f>;
+  using M = __mmask8;
+  TALUS_INLINE static B set(double a) { return B(a); }
+  TALUS_INLINE static B load(const double* p) { return _mm512_loadu_pd(p); }
+  TALUS_INLINE static void store(double* p, B a) { _mm512_storeu_pd(p, a); }
+  TALUS_INLINE static B sqrt(B a) { return _mm512_sqrt_pd(a); }
+  TALUS_INLINE static B abs(B a) { return _mm512_abs_pd(a); }
+  TALUS_INLINE static M lt(B a, B b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ); }
+  TALUS_INLINE static M gt(B a, B b) { return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ); }
+  TALUS_INLINE static M both(M a, M b) { return a & b; }
+  TALUS_INLINE static bool any(M m) { return m != 0; }
+  TALUS_INLINE static unsigned bits(M m) { return m; }
+  TALUS_INLINE static B select(M m, B a, B b) { return _mm512_mask_mov_pd(b, m, a); }
+  TALUS_INLINE static void pair_rows4(const double* p, const std::int32_t* a, const std::int32_t* b, B* o) {
+    const __m512d s = _mm512_castsi512_pd(_mm512_set_epi64(INT64_MIN, 0, 0, 0, INT64_MIN, 0, 0, 0));
+    __m512d r[4];  // r[k] holds the rows of pairs k and k + 4
+    for (int k = 0; k < 4; ++k) {
+      const __m512d va = _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(p + 4L * a[k])), _mm256_load_pd(p + 4L * a[k + 4]), 1);
+      const __m512d vb = _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(p + 4L * b[k])), _mm256_load_pd(p + 4L * b[k + 4]), 1);
+      r[k] = _mm512_sub_pd(va, _mm512_xor_pd(vb, s));
+    }
+    const __m512d t0 = _mm512_unpacklo_pd(r[0], r[1]), t1 = _mm512_unpackhi_pd(r[0], r[1]);
+    const __m512d t2 = _mm512_unpacklo_pd(r[2], r[3]), t3 = _mm512_unpackhi_pd(r[2], r[3]);
+    const __m512i lo = _mm512_set_epi64(13, 12, 5, 4, 9, 8, 1, 0), hi = _mm512_set_epi64(15, 14, 7, 6, 11, 10, 3, 2);
+    o[0] = _mm512_permutex2var_pd(t0, lo, t2);
+    o[1] = _mm512_permutex2var_pd(t1, lo, t3);
+    o[2] = _mm512_permutex2var_pd(t0, hi, t2);
+    o[3] = _mm512_permutex2var_pd(t1, hi, t3);
+  }
+  TALUS_INLINE static void transpose(__m512d* r) {
+    __m512d t[8], u[8];
+    for (int k = 0; k < 8; k += 2) {
+      t[k] = _mm512_unpacklo_pd(r[k], r[k + 1]);
+      t[k + 1] = _mm512_unpackhi_pd(r[k], r[k + 1]);
+    }
+    for (int h = 0; h < 8; h += 4)
+      for (int k = 0; k < 2; ++k) {
+        u[h + k] = _mm512_shuffle_f64x2(t[h + k], t[h + 2 + k], 0x88);      // 128-bit lanes 0, 2 of both
+        u[h + 2 + k] = _mm512_shuffle_f64x2(t[h + k], t[h + 2 + k], 0xdd);  // lanes 1, 3
+      }
+    for (int k = 0; k < 4; ++k) {
+      r[k] = _mm512_shuffle_f64x2(u[k], u[k + 4], 0x88);
+      r[k + 4] = _mm512_shuffle_f64x2(u[k], u[k + 4], 0xdd);
+    }
+  }
+  TALUS_INLINE static void pair_rows8(const double* p, const std::int32_t* a, const std::int32_t* b, B* o) {
+    const __m512d s = _mm512_castsi512_pd(_mm512_set_epi64(0, 0, 0, 0, INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN));
+    __m512d r[8];
+    for (int k = 0; k < 8; ++k) r[k] = _mm512_add_pd(_mm512_load_pd(p + 8L * a[k]), _mm512_xor_pd(_mm512_load_pd(p + 8L * b[k]), s));
+    transpose(r);
+    for (int k = 0; k < 8; ++k) o[k] = r[k];
+  }
+  TALUS_INLINE static double* compress(double* p, B a, M m) {
+    _mm512_storeu_pd(p, _mm512_maskz_compress_pd(m, a));
+    return p + __builtin_popcount(m);
+  }
+  TALUS_INLINE static void compress_index(std::int32_t* p, const std::int32_t* src, M m) {
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(p),
+                        _mm256_maskz_compress_epi32(m, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(src))));
+  }
+  TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* in, const bool* both) {
+    __m512d r[8] = {in[0], in[1], in[2], in[3], in[4], in[5], in[6], in[7]};
+    transpose(r);
+    const __m512d s = _mm512_castsi512_pd(_mm512_set_epi64(0, 0, 0, 0, 0, INT64_MIN, INT64_MIN, INT64_MIN));
+    for (int k = 0; k < 8; ++k) {
+      double* fa = f + 8L * a[k];
+      _mm512_store_pd(fa, _mm512_add_pd(_mm512_load_pd(fa), r[k]));
+      if (both[k]) {
+        double* fb = f + 8L * b[k];
+        _mm512_store_pd(fb, _mm512_add_pd(_mm512_load_pd(fb), _mm512_xor_pd(r[k], s)));
+      }
+    }
+  }
+  TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* in, const bool* both) {
+    const __m512d t0 = _mm512_unpacklo_pd(in[0], in[1]), t1 = _mm512_unpackhi_pd(in[0], in[1]);
+    const __m512d t2 = _mm512_unpacklo_pd(in[2], in[3]), t3 = _mm512_unpackhi_pd(in[2], in[3]);
+    const __m256d s = _mm256_castsi256_pd(_mm256_set_epi64x(0, INT64_MIN, INT64_MIN, INT64_MIN));
+    const __m512i lo = _mm512_set_epi64(13, 12, 5, 4, 9, 8, 1, 0), hi = _mm512_set_epi64(15, 14, 7, 6, 11, 10, 3, 2);
+    const __m512d q[4] = {_mm512_permutex2var_pd(t0, lo, t2), _mm512_permutex2var_pd(t1, lo, t3),
+                          _mm512_permutex2var_pd(t0, hi, t2), _mm512_permutex2var_pd(t1, hi, t3)};
+    // q[0] = rows 0 and 4, q[1] = 1 and 5, q[2] = 2 and 6, q[3] = 3 and 7
+    for (int k = 0; k < 8; ++k) {
+      const __m256d row = k < 4 ? _mm512_castpd512_pd256(q[k]) : _mm512_extractf64x4_pd(q[k - 4], 1);
+      double* fa = f + 4L * a[k];
+      _mm256_store_pd(fa, _mm256_add_pd(_mm256_load_pd(fa), row));
+      if (both[k]) {
+        double* fb = f + 4L * b[k];
+        _mm256_store_pd(fb, _mm256_add_pd(_mm256_load_pd(fb), _mm256_xor_pd(row, s)));
+      }
+    }
+  }
+  using R4 = __m256d;
+  using R8 = __m512d;
+  TALUS_INLINE static R4 add4(R4 a, R4 b) { return _mm256_add_pd(a, b); }
+  TALUS_INLINE static R4 sub4(R4 a, R4 b) { return _mm256_sub_pd(a, b); }
+  TALUS_INLINE static R4 mul4(R4 a, R4 b) { return _mm256_mul_pd(a, b); }
+  TALUS_INLINE static R4 load4(const double* p) { return _mm256_load_pd(p); }
+  TALUS_INLINE static void store4(double* p, R4 a) { _mm256_store_pd(p, a); }
+  TALUS_INLINE static R4 set4(double a) { return _mm256_set1_pd(a); }
+  TALUS_INLINE static unsigned lt4(R4 a, R4 b) { return _mm256_cmp_pd_mask(a, b, _CMP_LT_OQ); }
+  TALUS_INLINE static R4 and4(R4 a, unsigned m) { return _mm256_maskz_mov_pd(static_cast<__mmask8>(m), a); }
+  TALUS_INLINE static R8 add8(R8 a, R8 b) { return _mm512_add_pd(a, b); }
+  TALUS_INLINE static R8 mul8(R8 a, R8 b) { return _mm512_mul_pd(a, b); }
+  TALUS_INLINE static R8 load8(const double* p) { return _mm512_load_pd(p); }
+  TALUS_INLINE static void store8(double* p, R8 a) { _mm512_store_pd(p, a); }
+  TALUS_INLINE static R8 set8(double a) { return _mm512_set1_pd(a); }
+  TALUS_INLINE static R4 low4(R8 a) { return _mm512_castpd512_pd256(a); }
+  static constexpr int F = 16;
+  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy, const float* qz, const float* qr) {
+    const __m512 dx = _mm512_sub_ps(_mm512_set1_ps(x), _mm512_loadu_ps(qx)), dy = _mm512_sub_ps(_mm512_set1_ps(y), _mm512_loadu_ps(qy));
+    const __m512 dz = _mm512_sub_ps(_mm512_set1_ps(z), _mm512_loadu_ps(qz)), s = _mm512_add_ps(_mm512_set1_ps(r), _mm512_loadu_ps(qr));
+    const __m512 d2 = _mm512_add_ps(_mm512_add_ps(_mm512_mul_ps(dx, dx), _mm512_mul_ps(dy, dy)), _mm512_mul_ps(dz, dz));
+    return _mm512_cmp_ps_mask(d2, _mm512_mul_ps(s, s), _CMP_LT_OQ);
+  }
+  TALUS_INLINE static unsigned index_gt(const std::int32_t* j, std::int32_t i) {
+    return _mm512_cmpgt_epi32_mask(_mm512_loadu_si512(j), _mm512_set1_epi32(i));
+  }
+  TALUS_INLINE static int compress_i32(std::int32_t* out, const std::int32_t* src, unsigned m) {
+    _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(static_cast<__mmask16>(m), _mm512_loadu_si512(src)));
+    return __builtin_popcount(m);
+  }
+};
+#endif
+
+}  // namespace talus::simd

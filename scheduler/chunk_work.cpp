@@ -1,0 +1,342 @@
+// What the per-chunk nodes of the step graph do: narrow phase, contact forces, wall contacts, integration.
+// Invariants: I3 and I8 (contacts of lower chunks, interior, higher chunks, then walls), I5, I7 (a chunk writes only its
+// own lists, its scratch and its own rows of p2, v2).
+#include <immintrin.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "core/error.hpp"
+#include "scheduler/world.hpp"
+
+namespace talus {
+
+namespace {
+
+template <class T>
+void grow(Column<T>& c, std::size_t n) {
+  if (c.size() < n) c.resize(n + n / 8 + 64);
+}
+
+/// Fills the padding behind the last contact with a harmless far pair, so that whole SIMD blocks can run.
+void pad_contacts(const World& w, Scratch& s, std::int64_t n) {
+  for (int k = 0; k < k_pad; ++k) {
+    s.ci[n + k] = s.cj[n + k] = w.n;  // the dead row
+    s.x[n + k] = 1;
+    s.y[n + k] = s.z[n + k] = 0;
+    s.w[n + k] = 1;
+  }
+}
+
+/// Adds a block's energy terms to the rows of the chunk: half to each partner, in list order (I3).
+void scatter_energy(World& w, const std::int32_t* ci, const std::int32_t* cj, int n, int from, int to,
+                    const double (*e)[k_block + k_pad]) {
+  for (int k = 0; k < n; ++k) {
+    double* a = w.energy.data() + 4L * ci[k];
+    for (int q = 0; q < 3; ++q) a[q] = a[q] + 0.5 * e[q][k];
+    if (k >= from && k < to) {
+      double* b = w.energy.data() + 4L * cj[k];
+      for (int q = 0; q < 3; ++q) b[q] = b[q] + 0.5 * e[q][k];
+    }
+  }
+}
+
+}  // namespace
+
+Scratch* ScratchPool::take() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (free_.empty()) {
+    all_.push_back(std::make_unique<Scratch>());
+    return all_.back().get();
+  }
+  Scratch* s = free_.back();
+  free_.pop_back();
+  return s;
+}
+
+void ScratchPool::give(Scratch* s) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  free_.push_back(s);
+}
+
+std::size_t ScratchPool::bytes() const {
+  std::size_t b = 0;
+  for (const auto& s : all_) {
+    b += (s->ci.capacity() + s->cj.capacity()) * 4 + (s->x.capacity() * 4 + s->f.capacity()) * 8;
+    for (const auto& h : s->h) b += h.capacity() * 8;
+  }
+  return b;
+}
+
+void narrow_chunk(World& w, Chunk& c) {
+  NodeTimer timer(w, c, Node::narrow_phase);
+  // FTZ, DAZ or another rounding mode would change bits silently (DESIGN I4); every worker passes here every step.
+  if ((_mm_getcsr() & 0xe040U) != 0)
+    throw Error(ErrorCode::physics, "flush-to-zero, denormals-are-zero or a changed rounding mode is active in a worker thread",
+                "step " + std::to_string(w.step), "do not link with -ffast-math and leave MXCSR at its default");
+  c.scratch = w.scratch.take();
+  Scratch& s = *c.scratch;
+  const std::size_t room = static_cast<std::size_t>(c.pairs[0] + c.pairs[1] + c.pairs[2]) + 2 * k_pad;
+  grow(s.ci, room);
+  grow(s.cj, room);
+  grow(s.x, room);
+  grow(s.y, room);
+  grow(s.z, room);
+  grow(s.w, room);
+  NarrowArgs a{};
+  a.p = w.p.data();
+  a.pi = c.pi.data();
+  a.pj = c.pj.data();
+  a.mask = c.mask.data();
+  for (int k = 0; k < 3; ++k) {
+    a.end[k] = c.end[k];
+    const bool periodic = w.scene.domain.periodic(k);
+    a.half[k] = periodic ? 0.5 * w.size[k] : 1e300;
+    a.period[k] = periodic ? w.size[k] : 0.0;
+  }
+  a.periodic = w.has.periodic ? 1 : 0;
+  a.history = w.has.history_columns;
+  for (int k = 0; k < a.history; ++k) {
+    grow(s.h[k], room);
+    grow(c.h[k], k_pad);
+    a.h_old[k] = c.h[k].data();
+    a.h_new[k] = s.h[k].data();
+  }
+  // d < w (1 - max_overlap r_small / (r_small + r_large)) for the most unequal pair; confirmed exactly below
+  a.deep = 1.0 - w.scene.max_overlap * w.r_min / (w.r_min + w.r_max);
+  a.ci = s.ci.data();
+  a.cj = s.cj.data();
+  a.x = s.x.data();
+  a.y = s.y.data();
+  a.z = s.z.data();
+  a.w = s.w.data();
+  w.kernels->narrow(a);
+  for (int k = 0; k < 3; ++k) c.contact_end[k] = a.contact_end[k];
+  for (int k = 0; k < a.history; ++k) std::swap(c.h[k], s.h[k]);
+  pad_contacts(w, s, c.contact_end[2]);
+  c.deep_slot = -1;
+  if (a.deep_slot >= 0) {
+    for (std::int64_t k = 0; k < c.contact_end[2]; ++k) {
+      const double d = __builtin_sqrt((s.x[k] * s.x[k] + s.y[k] * s.y[k]) + s.z[k] * s.z[k]);
+      const double small = fmin2(w.p[4L * s.ci[k] + 3], w.p[4L * s.cj[k] + 3]);
+      if (s.w[k] - d > w.scene.max_overlap * small) {
+        c.deep_slot = k;
+        c.row_buffer.resize(2);
+        c.row_buffer[0] = s.ci[k];
+        c.row_buffer[1] = s.cj[k];
+        break;
+      }
+    }
+  }
+  if (w.options.seeded_fault == 2) {  // tests only: contacts in another order must change the hash
+    const std::int64_t b = c.contact_end[0], e = c.contact_end[1];
+    for (std::int64_t l = b, r = e - 1; l < r; ++l, --r) {
+      std::swap(s.ci[l], s.ci[r]);
+      std::swap(s.cj[l], s.cj[r]);
+      std::swap(s.x[l], s.x[r]);
+      std::swap(s.y[l], s.y[r]);
+      std::swap(s.z[l], s.z[r]);
+      std::swap(s.w[l], s.w[r]);
+      for (int k = 0; k < a.history; ++k) std::swap(c.h[k][l], c.h[k][r]);
+    }
+  }
+}
+
+void force_chunk(World& w, Chunk& c) {
+  NodeTimer timer(w, c, Node::contact_force);
+  Scratch& s = *c.scratch;
+  const int rows = c.hi - c.lo;
+  grow(s.f, static_cast<std::size_t>(rows) * w.stride);
+  std::memset(s.f.data(), 0, static_cast<std::size_t>(rows) * w.stride * sizeof(double));
+  if (w.has.energies) std::memset(w.energy.data() + 4L * c.lo, 0, static_cast<std::size_t>(rows) * 4 * sizeof(double));
+  alignas(64) double r[8][k_block + k_pad], e[3][k_block + k_pad], reff[k_block + k_pad];
+  alignas(64) std::int32_t pair[k_block + k_pad];
+  if (w.has.reff) std::fill(reff, reff + k_block + k_pad, 1.0);
+  if (w.has.materials) std::fill(pair, pair + k_block + k_pad, 0);
+  const int rotation = w.has.rotation ? 1 : 0;
+  const auto law = w.kernels->law[w.law_variant];
+  const std::int64_t total = c.contact_end[2];
+  std::int64_t both_from = c.contact_end[0], both_to = c.contact_end[1];
+  double* f = s.f.data() - static_cast<std::ptrdiff_t>(w.stride) * c.lo;
+  if (w.options.seeded_fault == 1) {  // tests only: borders after the interior, which depends on the chunk size
+    std::vector<std::int64_t> order;
+    for (std::int64_t k = both_from; k < total; ++k) order.push_back(k);
+    for (std::int64_t k = 0; k < both_from; ++k) order.push_back(k);
+    Scratch t = s;
+    Column<double> h[k_max_history];
+    for (int k = 0; k < w.has.history_columns; ++k) h[k] = c.h[k];
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      s.ci[k] = t.ci[order[k]];
+      s.cj[k] = t.cj[order[k]];
+      s.x[k] = t.x[order[k]];
+      s.y[k] = t.y[order[k]];
+      s.z[k] = t.z[order[k]];
+      s.w[k] = t.w[order[k]];
+      for (int q = 0; q < w.has.history_columns; ++q) c.h[q][k] = h[q][order[k]];
+    }
+    both_to -= both_from;
+    both_from = 0;
+  }
+  for (std::int64_t k0 = 0; k0 < total; k0 += k_block) {
+    const int n = static_cast<int>(std::min<std::int64_t>(k_block, total - k0));
+    GatherArgs g{w.v.data(), w.p.data(), w.has.materials ? w.material.data() : nullptr,
+                 static_cast<int>(w.scene.materials.size()), s.ci.data() + k0, s.cj.data() + k0, n, r,
+                 w.has.reff ? reff : nullptr, w.has.materials ? pair : nullptr};
+    w.kernels->gather[rotation](g);
+    Block b{};
+    b.n = n;
+    b.x = s.x.data() + k0;
+    b.y = s.y.data() + k0;
+    b.z = s.z.data() + k0;
+    b.w = s.w.data() + k0;
+    b.r = r;
+    for (int k = 0; k < w.has.history_columns; ++k) b.h[k] = c.h[k].data() + k0;
+    b.reff = reff;
+    b.pair = pair;
+    b.e = e;
+    law(b, w.law_args);
+    const int from = static_cast<int>(std::clamp<std::int64_t>(both_from - k0, 0, n));
+    const int to = static_cast<int>(std::clamp<std::int64_t>(both_to - k0, 0, n));
+    w.kernels->scatter[rotation](ScatterArgs{f, b.n > 0 ? s.ci.data() + k0 : nullptr, s.cj.data() + k0, n, from, to, r});
+    if (w.has.energies) scatter_energy(w, s.ci.data() + k0, s.cj.data() + k0, n, from, to, e);
+  }
+  if (w.options.seeded_fault == 1) {  // put the history back into list order
+    Column<double> h[k_max_history];
+    const std::int64_t moved = c.contact_end[0];
+    for (int q = 0; q < w.has.history_columns; ++q) {
+      h[q] = c.h[q];
+      for (std::int64_t k = 0; k < total; ++k) c.h[q][k < total - moved ? k + moved : k - (total - moved)] = h[q][k];
+    }
+  }
+}
+
+void wall_chunk(World& w, Chunk& c) {
+  NodeTimer timer(w, c, Node::wall_contact);
+  Scratch& s = *c.scratch;
+  c.wall_next.clear();
+  WallContact found[WallSet::k_max_contacts];
+  std::int32_t from[WallSet::k_max_contacts];
+  std::size_t old = 0;
+  const Vec3 lower = w.scene.domain.lower;
+  for (std::size_t q = 0; q + 1 < c.wall_begin.size(); ++q) {
+    const Row i = c.wall_row[q];
+    const double* x = w.p.data() + 4L * i;
+    if (!(x[0] < 1e100)) continue;
+    const Vec3 centre{x[0] + lower.x, x[1] + lower.y, x[2] + lower.z};
+    const std::span<const std::int32_t> elements(c.wall_element.data() + c.wall_begin[q],
+                                                 static_cast<std::size_t>(c.wall_begin[q + 1] - c.wall_begin[q]));
+    const int n = w.walls.contacts(centre, x[3], elements, found);
+    if (n == 0) continue;
+    while (old < c.wall_state.size() && c.wall_state[old].row < i) ++old;
+    std::size_t end = old;
+    WallContact before[WallSet::k_max_contacts];
+    int nb = 0;
+    while (end < c.wall_state.size() && c.wall_state[end].row == i && nb < WallSet::k_max_contacts)
+      before[nb++] = c.wall_state[end++].contact;
+    WallSet::match(std::span(before, static_cast<std::size_t>(nb)), std::span(found, static_cast<std::size_t>(n)), from);
+    for (int k = 0; k < n; ++k) {
+      WallState t;
+      t.row = i;
+      t.contact = found[k];
+      if (from[k] >= 0)
+        for (int h = 0; h < w.has.history_columns; ++h) t.h[h] = c.wall_state[old + from[k]].h[h];
+      c.wall_next.push_back(t);
+    }
+  }
+  // A wall is a partner of radius 0 and infinite mass at rest in its own spin: the same laws apply.
+  alignas(64) double bx[k_block + k_pad], by[k_block + k_pad], bz[k_block + k_pad], bw[k_block + k_pad];
+  alignas(64) double r[8][k_block + k_pad], e[3][k_block + k_pad], h[k_max_history][k_block + k_pad], reff[k_block + k_pad];
+  alignas(64) std::int32_t pair[k_block + k_pad];
+  const auto law = w.kernels->law[w.law_variant];
+  const int mass_lane = w.has.rotation ? 7 : 3;
+  c.wall_force.resize(c.wall_next.size());
+  c.wall_point.resize(c.wall_next.size());
+  if (w.has.energies) c.wall_power.resize(c.wall_next.size());
+  for (std::size_t k0 = 0; k0 < c.wall_next.size(); k0 += k_block) {
+    const int n = static_cast<int>(std::min<std::size_t>(k_block, c.wall_next.size() - k0));
+    const int padded = (n + 7) / 8 * 8;
+    for (int k = 0; k < padded; ++k) {
+      const WallState& t = c.wall_next[k0 + static_cast<std::size_t>(std::min(k, n - 1))];
+      const double* v = w.v.data() + static_cast<long>(w.stride) * t.row;
+      bx[k] = t.contact.normal.x * t.contact.distance;
+      by[k] = t.contact.normal.y * t.contact.distance;
+      bz[k] = t.contact.normal.z * t.contact.distance;
+      bw[k] = reff[k] = w.p[4L * t.row + 3];
+      r[0][k] = v[0] - t.contact.velocity.x;
+      r[1][k] = v[1] - t.contact.velocity.y;
+      r[2][k] = v[2] - t.contact.velocity.z;
+      if (w.has.rotation)
+        for (int q = 4; q < 7; ++q) r[q][k] = v[q];
+      r[mass_lane][k] = v[mass_lane] > 0 ? v[mass_lane] : 1.0;  // a fixed grain feels nothing anyway
+      for (int q = 0; q < w.has.history_columns; ++q) h[q][k] = t.h[q];
+      if (w.has.materials) pair[k] = w.pair_index(w.material[t.row], w.walls.material(t.contact.wall));
+    }
+    Block b{};
+    b.n = n;
+    b.x = bx;
+    b.y = by;
+    b.z = bz;
+    b.w = bw;
+    b.r = r;
+    for (int q = 0; q < w.has.history_columns; ++q) b.h[q] = h[q];
+    b.reff = reff;
+    b.pair = pair;
+    b.e = e;
+    LawArgs args = w.law_args;
+    if (!w.has.materials) args.one = w.parameters[0];
+    law(b, args);
+    for (int k = 0; k < n; ++k) {
+      WallState& t = c.wall_next[k0 + static_cast<std::size_t>(k)];
+      for (int q = 0; q < w.has.history_columns; ++q) t.h[q] = h[q][k];
+      double* f = s.f.data() + static_cast<std::ptrdiff_t>(w.stride) * (t.row - c.lo);
+      for (int q = 0; q < w.stride; ++q) f[q] = f[q] + r[q][k];
+      const Vec3 force{r[0][k], r[1][k], r[2][k]};
+      c.wall_force[k0 + static_cast<std::size_t>(k)] = force;
+      c.wall_point[k0 + static_cast<std::size_t>(k)] = w.position(t.row) - t.contact.distance * t.contact.normal;
+      if (w.has.energies) {
+        double* en = w.energy.data() + 4L * t.row;
+        for (int q = 0; q < 3; ++q) en[q] = en[q] + e[q][k];
+        c.wall_power[k0 + static_cast<std::size_t>(k)] = w.scene.dt * dot(force, t.contact.velocity);
+      }
+    }
+  }
+  std::swap(c.wall_state, c.wall_next);
+}
+
+void integrate_chunk(World& w, Chunk& c) {
+  NodeTimer timer(w, c, Node::integrate);
+  Scratch& s = *c.scratch;
+  IntegrateArgs a{};
+  a.lo = c.lo;
+  a.hi = c.hi;
+  a.p = w.p.data();
+  a.v = w.v.data();
+  a.f = s.f.data() - static_cast<std::ptrdiff_t>(w.stride) * c.lo;
+  a.p2 = w.p2.data();
+  a.v2 = w.v2.data();
+  a.x0 = w.x0.data();
+  a.dt = w.scene.dt;
+  // velocity Verlet starts with a half kick (initial velocities hold at step 0), leapfrog takes them as v(-1/2)
+  a.kick = w.step == 0 && w.scene.integrator == Integrator::velocity_verlet ? 0.5 * w.scene.dt : w.scene.dt;
+  for (int k = 0; k < 3; ++k) {
+    const bool periodic = w.scene.domain.periodic(k);
+    a.gravity[k] = w.gravity[k];
+    a.upper[k] = w.size[k];
+    a.wrap[k] = periodic ? w.size[k] : 0.0;
+    a.half[k] = periodic ? 0.5 * w.size[k] : 1e300;
+  }
+  a.upper[3] = a.half[3] = 1e300;
+  a.viscous = w.scene.viscous_damping;
+  a.local = w.scene.local_damping;
+  a.unstable = w.unstable_limit;
+  grow(c.out, static_cast<std::size_t>(c.hi - c.lo));
+  a.out = c.out.data();
+  w.kernels->integrate[w.has.rotation ? 1 : 0](a);
+  c.out_count = a.out_count;
+  c.expired = a.expired;
+  c.unstable_row = a.unstable_row;
+  w.scratch.give(c.scratch);
+  c.scratch = nullptr;
+}
+
+}  // namespace talus

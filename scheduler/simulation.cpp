@@ -1,0 +1,314 @@
+// Simulation: set-up from a scene or a checkpoint, and the public calls.
+#include "scheduler/simulation.hpp"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+
+#include "core/error.hpp"
+#include "scheduler/world.hpp"
+
+namespace talus {
+
+struct Simulation::Impl {
+  World w;
+};
+
+namespace {
+
+int available_threads() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  return sched_getaffinity(0, sizeof set, &set) == 0 ? std::max(1, CPU_COUNT(&set)) : 1;
+}
+
+bool acts_later(const Source& s) { return s.kind == Source::Kind::stream || (s.kind != Source::Kind::file && s.start > 0); }
+
+/// Everything that does not depend on the particles' present state.
+void configure(World& w, const Scene& scene, const RunOptions& options, bool any_fixed) {
+  w.scene = scene;
+  w.options = options;
+  w.threads = options.threads > 0 ? options.threads : available_threads();
+  w.kernels = &select_kernels(options.isa, &w.isa_why);
+  w.law = &law_info(scene.contact.model);
+  Features& h = w.has;
+  h.rotation = scene.contact.friction;
+  h.history_columns = scene.contact.friction ? w.law->history : 0;
+  h.history = h.history_columns > 0;
+  h.materials = scene.materials.size() > 1;
+  h.reff = w.law->wants_reff;
+  h.groups = !scene.groups.empty();
+  h.energies = scene.output.energies;
+  h.insertion = std::any_of(scene.sources.begin(), scene.sources.end(), acts_later);
+  h.events = !scene.events.empty();
+  h.fixed = any_fixed;
+  for (const Event& e : scene.events)
+    h.fixed = h.fixed || e.action == Event::Action::freeze || e.action == Event::Action::drive;
+  for (const GroupSpec& g : scene.groups) h.fixed = h.fixed || g.fixed_in_file;
+  for (int k = 0; k < 3; ++k) {
+    h.periodic = h.periodic || scene.domain.periodic(k);
+    for (int s = 0; s < 2; ++s)
+      h.removal = h.removal || scene.domain.boundary[static_cast<std::size_t>(k)][static_cast<std::size_t>(s)] == Boundary::open;
+  }
+  std::stable_sort(w.scene.events.begin(), w.scene.events.end(), [](const Event& a, const Event& b) { return a.time < b.time; });
+  w.stride = h.rotation ? 8 : 4;
+  w.law_variant = law_index(*w.law, scene.contact.friction, h.materials, h.energies);
+  w.parameters = pair_parameters(scene);
+  w.law_args.one = w.parameters[0];
+  w.law_args.table = w.parameters.data();
+  w.law_args.dt = scene.dt;
+  w.law_args.by_restitution = scene.contact.by_restitution ? 1 : 0;
+  w.law_args.centred = scene.contact.dashpot == Dashpot::centred ? 1 : 0;
+  w.law_args.onset = scene.contact.onset_correction ? 1 : 0;
+  w.law_args.synchronised = scene.contact.synchronised ? 1 : 0;
+  w.law_args.contact_lever = scene.contact.lever == Lever::contact ? 1 : 0;
+  w.size = scene.domain.upper - scene.domain.lower;
+  w.gravity = scene.gravity;
+  // The stiffness matrix has an eigenvalue of at least (row sum) / (3 m): beyond 12 / dt^2 no step can be stable.
+  w.unstable_limit = scene.allow_unstable_step ? 1e300 : 12.0 / (scene.dt * scene.dt);
+  w.skin = SkinRule(scene, w.r_min, w.r_max);
+  for (int k = 0; k < 3; ++k)
+    if (scene.domain.periodic(k) && !(w.size[k] > 4 * w.r_max))
+      throw Error(ErrorCode::scene, "a periodic side must be longer than twice the largest diameter", "domain",
+                  "side " + std::to_string(w.size[k]) + ", largest diameter " + std::to_string(2 * w.r_max));
+  double reach = 0;
+  for (const double r : {w.r_min, w.r_max}) reach = fmax2(reach, r + w.skin(r, 1e30, 0));
+  w.walls = WallSet(w.scene, reach + 0.5 * w.r_min);
+  h.walls = w.walls.size() > 0;
+  h.moving_walls = h.walls && w.walls.any_moving();
+}
+
+void choose_chunk(World& w) {
+  if (w.options.chunk > 0) {
+    w.chunk_size = w.options.chunk;
+    return;
+  }
+  // Results do not depend on it (I8): 4096 rows on one or two threads, smaller to feed many.
+  w.chunk_size = 4096;
+  while (w.threads > 2 && w.chunk_size > 512 && w.n / w.chunk_size < 4 * w.threads) w.chunk_size /= 2;
+}
+
+struct Meta {
+  std::int64_t step, next_event, next_id, n, stride, history, materials, inserted, removed;
+  double removed_mass, gravity[3], losses[3], wall_work, inserted_energy, start_energy, start_known, dt;
+};
+
+}  // namespace
+
+Simulation::Simulation(const Scene& scene, const RunOptions& options) : impl_(std::make_unique<Impl>()) {
+  World& w = impl_->w;
+  w.insertion = std::make_unique<Insertion>(scene);
+  w.r_min = w.insertion->smallest_radius();
+  w.r_max = w.insertion->largest_radius();
+  const NewParticles first = w.insertion->initial();
+  configure(w, scene, options, std::any_of(first.fixed.begin(), first.fixed.end(), [](std::uint8_t f) { return f != 0; }));
+  append_particles(w, first, true);
+  choose_chunk(w);
+  make_chunks(w);
+}
+
+Simulation::Simulation(const Scene& scene, const RunOptions& options, const CheckpointReader& in) : impl_(std::make_unique<Impl>()) {
+  World& w = impl_->w;
+  w.insertion = std::make_unique<Insertion>(scene);
+  w.r_min = w.insertion->smallest_radius();
+  w.r_max = w.insertion->largest_radius();
+  const auto m = in.read_value<Meta>("meta");
+  configure(w, scene, options, in.has("fixed"));
+  if (m.stride != w.stride || m.history != w.has.history_columns || m.materials != static_cast<std::int64_t>(scene.materials.size()) || m.dt != scene.dt)
+    throw Error(ErrorCode::io, "the checkpoint belongs to another scene (contact law, materials or time step differ)", in.path());
+  w.has.fixed = in.has("fixed");
+  set_particle_capacity(w, static_cast<Row>(m.n));
+  const auto get = [&](const char* name, void* to, std::size_t bytes) {
+    const auto s = in.section(name);
+    if (s.size() != bytes) throw Error(ErrorCode::io, std::string("section '") + name + "' has a wrong size", in.path());
+    if (bytes != 0) std::memcpy(to, s.data(), bytes);
+  };
+  const auto n = static_cast<std::size_t>(m.n);
+  get("position", w.p.data(), 32 * n);
+  get("velocity", w.v.data(), 8 * n * static_cast<std::size_t>(w.stride));
+  get("id", w.id.data(), 8 * n);
+  if (w.has.materials) get("material", w.material.data(), n);
+  if (w.has.fixed) get("fixed", w.fixed.data(), n);
+  if (w.has.groups) get("group", w.group.data(), 2 * n);
+  w.p2 = w.p;
+  w.v2 = w.v;
+  w.step = m.step;
+  w.next_event = static_cast<std::size_t>(m.next_event);
+  w.next_id = m.next_id;
+  w.gravity = {m.gravity[0], m.gravity[1], m.gravity[2]};
+  w.counters.inserted = m.inserted;
+  w.counters.removed = m.removed;
+  w.counters.removed_mass = m.removed_mass;
+  w.loss_damping = m.losses[0];
+  w.loss_friction = m.losses[1];
+  w.loss_background = m.losses[2];
+  w.wall_work = m.wall_work;
+  w.inserted_energy = m.inserted_energy;
+  w.start_energy = m.start_energy;
+  w.start_energy_known = m.start_known != 0;
+  w.insertion->load(in.section("insertion"));
+  w.alive = 0;
+  for (Row i = 0; i < w.n; ++i) {
+    if (w.is_alive(i)) {
+      ++w.alive;
+    } else {
+      w.x0[4L * i] = w.x0[4L * i + 1] = w.x0[4L * i + 2] = k_gone;
+      w.x0[4L * i + 3] = 1e300;
+    }
+  }
+  choose_chunk(w);
+  make_chunks(w);
+  std::vector<ContactEntry> contacts;
+  in.read_array<ContactEntry>("contacts", contacts);
+  std::vector<WallState> walls;
+  in.read_array<WallState>("wall_contacts", walls);
+  for (const ContactEntry& e : contacts)
+    if (e.a < 0 || e.b < 0 || e.a >= w.n || e.b >= w.n) throw Error(ErrorCode::io, "a contact names a particle that does not exist", in.path());
+  for (const WallState& s : walls)
+    if (s.row < 0 || s.row >= w.n || s.contact.wall >= w.walls.size()) throw Error(ErrorCode::io, "a wall contact does not fit the scene", in.path());
+  distribute_contacts(w, contacts, walls);
+  if (w.has.walls) w.walls.set_step(w.step, w.scene.dt);
+  rebuild_lists(w);
+  w.lists_valid = true;
+  w.last_rebuild_step = w.step;
+  ++w.counters.rebuilds_forced;
+}
+
+Simulation::~Simulation() = default;
+
+void Simulation::run(std::int64_t steps) {
+  World& w = impl_->w;
+  if (w.failed.load())
+    throw Error(ErrorCode::physics, "this run has failed and cannot go on", "step " + std::to_string(w.step));
+  if (steps <= 0) return;
+  const std::int64_t target = w.step + steps;
+  if (w.has.energies && !w.start_energy_known && w.counters.steps == 0 && w.step == 0) {
+    run_graph(w, 1);
+    w.start_energy_known = true;
+    const Energies e = energies_of(w);
+    w.start_energy = e.residual + e.kinetic_translation + e.kinetic_rotation + e.potential + e.elastic + e.dissipated_damping +
+                     e.dissipated_friction + e.dissipated_background - e.wall_work - e.inserted;
+  }
+  if (w.step < target) run_graph(w, target);
+}
+
+const Scene& Simulation::scene() const noexcept { return impl_->w.scene; }
+std::int64_t Simulation::step() const noexcept { return impl_->w.step; }
+double Simulation::time() const noexcept { return static_cast<double>(impl_->w.step) * impl_->w.scene.dt; }
+std::int64_t Simulation::particles() const noexcept { return impl_->w.alive; }
+std::uint64_t Simulation::state_hash() const { return talus::state_hash(impl_->w); }
+Energies Simulation::energies() const { return energies_of(impl_->w); }
+double Simulation::kinetic_energy() const { return kinetic_energy_of(impl_->w); }
+Frame Simulation::frame(const FrameRequest& request) const { return frame_of(impl_->w, request); }
+Plan Simulation::plan() const { return plan_of(impl_->w); }
+std::size_t Simulation::bytes() const { return bytes_of(impl_->w); }
+
+Counters Simulation::counters() const {
+  const World& w = impl_->w;
+  Counters c = w.counters;
+  std::int64_t both = 0, border = 0;
+  for (const auto& k : w.chunks) {
+    both += k->contact_end[1] - k->contact_end[0];
+    border += k->contact_end[0] + (k->contact_end[2] - k->contact_end[1]);
+    c.wall_contacts += static_cast<std::int64_t>(k->wall_state.size());
+  }
+  c.contacts = both + border / 2;
+  c.border_contact_share = c.contacts > 0 ? 0.5 * static_cast<double>(border) / static_cast<double>(c.contacts) : 0;
+  return c;
+}
+
+std::vector<NodeTime> Simulation::profile() const {
+  const World& w = impl_->w;
+  std::vector<NodeTime> out;
+  for (int k = 0; k < static_cast<int>(Node::count); ++k) {
+    NodeTime t;
+    t.node = node_name(static_cast<Node>(k));
+    t.calls = w.serial.calls[k];
+    t.seconds = w.serial.seconds[k];
+    for (const auto& c : w.chunks) {
+      // the serial rebuild node already contains its chunks' parts on one thread
+      if (static_cast<Node>(k) == Node::rebuild) continue;
+      t.calls += c->calls[k];
+      t.seconds += c->seconds[k];
+    }
+    if (t.calls > 0) out.push_back(t);
+  }
+  return out;
+}
+
+void Simulation::start_trace() {
+  impl_->w.tracing = true;
+  impl_->w.trace_start = std::chrono::steady_clock::now();
+}
+
+void Simulation::write_trace(const std::string& path) const {
+  const World& w = impl_->w;
+  std::ofstream out(path);
+  out << "{\"traceEvents\":[\n";
+  bool first = true;
+  const auto write = [&](const Chunk& c, const char* label) {
+    for (const TraceEvent& e : c.trace) {
+      out << (first ? "" : ",\n") << "{\"ph\":\"X\",\"pid\":1,\"tid\":" << e.thread << ",\"ts\":" << static_cast<double>(e.begin_ns) * 1e-3
+          << ",\"dur\":" << static_cast<double>(e.end_ns - e.begin_ns) * 1e-3 << ",\"name\":\"" << node_name(e.node) << label << "\",\"args\":{\"chunk\":"
+          << e.chunk << "}}";
+      first = false;
+    }
+  };
+  write(w.serial, "");
+  for (const auto& c : w.chunks) write(*c, "");
+  out << "\n]}\n";
+  out.close();
+  if (!out) throw Error(ErrorCode::io, "cannot write the trace", path);
+}
+
+void Simulation::save(CheckpointWriter& out) const {
+  const World& w = impl_->w;
+  Meta m{};
+  m.step = w.step;
+  m.next_event = static_cast<std::int64_t>(w.next_event);
+  m.next_id = w.next_id;
+  m.n = w.n;
+  m.stride = w.stride;
+  m.history = w.has.history_columns;
+  m.materials = static_cast<std::int64_t>(w.scene.materials.size());
+  m.inserted = w.counters.inserted;
+  m.removed = w.counters.removed;
+  m.removed_mass = w.counters.removed_mass;
+  for (int k = 0; k < 3; ++k) m.gravity[k] = w.gravity[k];
+  m.losses[0] = w.loss_damping;
+  m.losses[1] = w.loss_friction;
+  m.losses[2] = w.loss_background;
+  m.wall_work = w.wall_work;
+  m.inserted_energy = w.inserted_energy;
+  m.start_energy = w.start_energy;
+  m.start_known = w.start_energy_known ? 1 : 0;
+  m.dt = w.scene.dt;
+  out.add_value("meta", m);
+  const auto n = static_cast<std::size_t>(w.n);
+  out.add_array("position", w.p.data(), 4 * n);
+  out.add_array("velocity", w.v.data(), static_cast<std::size_t>(w.stride) * n);
+  out.add_array("id", w.id.data(), n);
+  if (w.has.materials) out.add_array("material", w.material.data(), n);
+  if (w.has.fixed) out.add_array("fixed", w.fixed.data(), n);
+  if (w.has.groups) out.add_array("group", w.group.data(), n);
+  const auto contacts = collect_contacts(w);
+  out.add_array("contacts", contacts.data(), contacts.size());
+  auto walls = collect_wall_states(w);
+  std::vector<WallState> clean(walls.size());
+  if (!clean.empty()) std::memset(static_cast<void*>(clean.data()), 0, clean.size() * sizeof(WallState));  // no padding garbage in the bytes
+  for (std::size_t k = 0; k < walls.size(); ++k) {
+    clean[k].row = walls[k].row;
+    clean[k].contact.wall = walls[k].contact.wall;
+    clean[k].contact.element = walls[k].contact.element;
+    clean[k].contact.normal = walls[k].contact.normal;
+    clean[k].contact.distance = walls[k].contact.distance;
+    clean[k].contact.velocity = walls[k].contact.velocity;
+    for (int h = 0; h < k_max_history; ++h) clean[k].h[h] = walls[k].h[h];
+  }
+  out.add_array("wall_contacts", clean.data(), clean.size());
+  out.add("insertion", w.insertion->save());
+}
+
+}  // namespace talus

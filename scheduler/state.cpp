@@ -1,0 +1,279 @@
+// Storage of particles and contacts: capacity, insertion, removal, chunks, and the order-free view of the state that
+// sort epochs, checkpoints and hashes share. Invariants: I2 (removal), I5, I6.
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cstring>
+#include <tuple>
+
+#include "core/det_math.hpp"
+#include "core/error.hpp"
+#include "scheduler/world.hpp"
+
+namespace talus {
+
+const char* node_name(Node node) noexcept {
+  switch (node) {
+    case Node::displacement_check: return "displacement_check";
+    case Node::insert: return "insert";
+    case Node::sort_epoch: return "sort_epoch";
+    case Node::rebuild: return "rebuild";
+    case Node::narrow_phase: return "narrow_phase";
+    case Node::contact_force: return "contact_force";
+    case Node::wall_contact: return "wall_contact";
+    case Node::integrate: return "integrate";
+    case Node::energy: return "energy";
+    default: return "?";
+  }
+}
+
+NodeTimer::~NodeTimer() {
+  const auto end = std::chrono::steady_clock::now();
+  const int k = static_cast<int>(node_);
+  c_.seconds[k] += std::chrono::duration<double>(end - begin_).count();
+  ++c_.calls[k];
+  if (w_.tracing) {
+    using ns = std::chrono::nanoseconds;
+    c_.trace.push_back({node_, c_.index, -1, std::chrono::duration_cast<ns>(begin_ - w_.trace_start).count(),
+                        std::chrono::duration_cast<ns>(end - w_.trace_start).count()});
+    thread_local static int counter = 0;
+    static std::atomic<int> next{1};
+    if (counter == 0) counter = next++;
+    c_.trace.back().thread = counter;
+  }
+}
+
+double World::mass(Row i) const {
+  const double r = p[4L * i + 3];
+  const double rho = scene.materials[has.materials ? material[i] : 0].density;
+  return rho * (4.0 / 3.0 * det::k_pi) * (r * r * r);
+}
+
+Vec3 World::position(Row i) const {
+  const double* x = p.data() + 4L * i;
+  return Vec3{x[0], x[1], x[2]} + scene.domain.lower;
+}
+
+void set_particle_capacity(World& w, Row n) {
+  const Row old = w.n;
+  const auto rows = static_cast<std::size_t>(n) + k_pad;
+  w.p.resize(4 * rows);
+  w.p2.resize(4 * rows);
+  w.x0.resize(4 * rows);
+  w.v.resize(w.stride * rows);
+  w.v2.resize(w.stride * rows);
+  w.id.resize(rows);
+  if (w.has.materials) w.material.resize(rows);
+  if (w.has.fixed) w.fixed.resize(rows);
+  if (w.has.groups) w.group.resize(rows);
+  if (w.has.energies) w.energy.resize(4 * rows);
+  for (Row i = std::min(old, n); i < static_cast<Row>(rows); ++i) {  // new and padding rows: dead
+    for (auto* p : {&w.p, &w.p2, &w.x0})
+      for (int k = 0; k < 4; ++k) (*p)[4L * i + k] = k < 3 ? k_gone : 0.0;
+    w.x0[4L * i + 3] = 1e300;
+    for (auto* v : {&w.v, &w.v2}) {
+      for (int k = 0; k < w.stride; ++k) (*v)[static_cast<long>(w.stride) * i + k] = 0.0;
+      (*v)[static_cast<long>(w.stride) * i + w.stride - 1] = 1.0;  // padding lanes divide by it
+    }
+    w.id[i] = -1;
+    if (w.has.materials) w.material[i] = 0;
+    if (w.has.fixed) w.fixed[i] = 0;
+    if (w.has.groups) w.group[i] = -1;
+    if (w.has.energies)
+      for (int k = 0; k < 4; ++k) w.energy[4L * i + k] = 0;
+  }
+  w.n = n;
+}
+
+void append_particles(World& w, const NewParticles& a, bool at_start) {
+  const Row first = w.n;
+  if (static_cast<std::int64_t>(first) + static_cast<std::int64_t>(a.size()) > (std::int64_t{1} << 30))
+    throw Error(ErrorCode::physics, "more than 2^30 particles", "step " + std::to_string(w.step));
+  set_particle_capacity(w, first + static_cast<Row>(a.size()));
+  const double half = at_start ? 0.0 : 0.5 * w.scene.dt;  // a grain born at step n carries v(n-1/2) = v - g dt/2
+  for (std::size_t q = 0; q < a.size(); ++q) {
+    const Row i = first + static_cast<Row>(q);
+    const Vec3 x = a.x[q] - w.scene.domain.lower;
+    for (auto* p : {&w.p, &w.p2}) {
+      double* r = p->data() + 4L * i;
+      r[0] = x.x;
+      r[1] = x.y;
+      r[2] = x.z;
+      r[3] = a.r[q];
+    }
+    w.id[i] = w.next_id++;
+    if (w.has.materials) w.material[i] = a.material[q];
+    const bool fixed = a.fixed[q] != 0;
+    if (w.has.fixed) w.fixed[i] = fixed ? 1 : 0;
+    if (w.has.groups) w.group[i] = a.group[q];
+    const double m = w.mass(i);
+    const Vec3 v = fixed ? a.v[q] : a.v[q] - half * w.gravity;
+    for (auto* column : {&w.v, &w.v2}) {
+      double* r = column->data() + static_cast<long>(w.stride) * i;
+      r[0] = v.x;
+      r[1] = v.y;
+      r[2] = v.z;
+      if (w.has.rotation) {
+        r[3] = 0;
+        r[4] = a.r[q] * a.w[q].x;
+        r[5] = a.r[q] * a.w[q].y;
+        r[6] = a.r[q] * a.w[q].z;
+      }
+      r[w.stride - 1] = fixed ? 0.0 : 1.0 / m;
+    }
+    if (w.has.energies && !at_start)
+      w.inserted_energy += 0.5 * m * norm2(a.v[q]) - m * dot(w.gravity, a.x[q]) + 0.2 * m * a.r[q] * a.r[q] * norm2(a.w[q]);
+  }
+  w.alive += static_cast<Row>(a.size());
+}
+
+void make_chunks(World& w) {
+  const int count = std::max(1, (w.n + w.chunk_size - 1) / w.chunk_size);
+  while (static_cast<int>(w.chunks.size()) < count) {
+    w.chunks.push_back(std::make_unique<Chunk>());
+    w.chunks.back()->index = static_cast<int>(w.chunks.size()) - 1;
+  }
+  w.chunks.resize(static_cast<std::size_t>(count));
+  for (int k = 0; k < count; ++k) {
+    Chunk& c = *w.chunks[static_cast<std::size_t>(k)];
+    c.lo = static_cast<Row>(static_cast<std::int64_t>(k) * w.chunk_size);
+    c.hi = std::min<Row>(w.n, c.lo + w.chunk_size);
+  }
+}
+
+void remove_row(World& w, Row i) {
+  if (!w.is_alive(i)) return;
+  const double m = w.mass(i);
+  w.removals.push_back({w.step, w.id[i], m});
+  ++w.counters.removed;
+  w.counters.removed_mass += m;
+  --w.alive;
+  double* v = w.v.data() + static_cast<long>(w.stride) * i;
+  if (w.has.energies) {
+    const Vec3 x = w.position(i);
+    double e = 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) - m * dot(w.gravity, x);
+    if (w.has.rotation) e += 0.2 * m * (v[4] * v[4] + v[5] * v[5] + v[6] * v[6]);
+    w.inserted_energy -= e;
+  }
+  for (auto* p : {&w.p, &w.x0})
+    for (int k = 0; k < 3; ++k) (*p)[4L * i + k] = k_gone;
+  w.p[4L * i + 3] = 0;
+  w.x0[4L * i + 3] = 1e300;
+  for (int k = 0; k < w.stride; ++k) v[k] = 0;
+}
+
+std::vector<ContactEntry> collect_contacts(const World& w) {
+  std::vector<ContactEntry> out;
+  for (const auto& cp : w.chunks) {
+    const Chunk& c = *cp;
+    std::int64_t n = 0;
+    for (std::int64_t s = 0; s < c.end[2]; ++s) {
+      if (((c.mask[static_cast<std::size_t>(s >> 3)] >> (s & 7)) & 1U) == 0) continue;
+      if (c.pi[static_cast<std::size_t>(s)] < c.pj[static_cast<std::size_t>(s)]) {
+        ContactEntry e;
+        e.a = c.pi[static_cast<std::size_t>(s)];
+        e.b = c.pj[static_cast<std::size_t>(s)];
+        for (int k = 0; k < w.has.history_columns; ++k) e.h[k] = c.h[k][static_cast<std::size_t>(n)];
+        out.push_back(e);
+      }
+      ++n;
+    }
+  }
+  std::sort(out.begin(), out.end(), [](const ContactEntry& l, const ContactEntry& r) { return std::tie(l.a, l.b) < std::tie(r.a, r.b); });
+  return out;
+}
+
+std::vector<WallState> collect_wall_states(const World& w) {
+  std::vector<WallState> out;
+  for (const auto& c : w.chunks) out.insert(out.end(), c->wall_state.begin(), c->wall_state.end());
+  return out;
+}
+
+void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, const std::vector<WallState>& walls) {
+  struct Item {
+    int section;
+    Row i, j;
+    const ContactEntry* e;
+    bool flip;
+  };
+  std::vector<std::vector<Item>> items(w.chunks.size());
+  for (const ContactEntry& e : contacts) {
+    const auto ca = static_cast<std::size_t>(w.chunk_of(e.a)), cb = static_cast<std::size_t>(w.chunk_of(e.b));
+    if (ca == cb) {
+      items[ca].push_back(e.a < e.b ? Item{1, e.a, e.b, &e, false} : Item{1, e.b, e.a, &e, true});
+    } else {
+      items[ca].push_back({ca > cb ? 0 : 2, e.a, e.b, &e, false});
+      items[cb].push_back({cb > ca ? 0 : 2, e.b, e.a, &e, true});
+    }
+  }
+  for (std::size_t k = 0; k < items.size(); ++k) {
+    auto& v = items[k];
+    std::sort(v.begin(), v.end(), [](const Item& l, const Item& r) { return std::tie(l.section, l.i, l.j) < std::tie(r.section, r.i, r.j); });
+    CarriedContacts& c = w.chunks[k]->carried;
+    c.i.resize(v.size());
+    c.j.resize(v.size());
+    for (int q = 0; q < w.has.history_columns; ++q) c.h[q].resize(v.size() + k_pad);
+    c.end[0] = c.end[1] = c.end[2] = 0;
+    for (std::size_t s = 0; s < v.size(); ++s) {
+      c.i[s] = v[s].i;
+      c.j[s] = v[s].j;
+      for (int q = 0; q < w.has.history_columns; ++q) c.h[q][s] = v[s].flip && q < 3 ? -v[s].e->h[q] : v[s].e->h[q];
+      for (int section = v[s].section; section < 3; ++section) c.end[section] = static_cast<std::int64_t>(s) + 1;
+    }
+    w.chunks[k]->wall_state.clear();
+  }
+  std::vector<WallState> sorted = walls;
+  std::sort(sorted.begin(), sorted.end(), [](const WallState& l, const WallState& r) {
+    return std::tie(l.row, l.contact.wall, l.contact.element) < std::tie(r.row, r.contact.wall, r.contact.element);
+  });
+  for (const WallState& s : sorted) w.chunks[static_cast<std::size_t>(w.chunk_of(s.row))]->wall_state.push_back(s);
+}
+
+std::uint64_t state_hash(const World& w) {
+  std::uint64_t sum = 0;
+  for (Row i = 0; i < w.n; ++i) {
+    if (!w.is_alive(i)) continue;
+    struct {
+      ParticleId id;
+      double x[4], v[8];
+    } t{};
+    t.id = w.id[i];
+    std::memcpy(t.x, w.p.data() + 4L * i, sizeof t.x);
+    std::memcpy(t.v, w.v.data() + static_cast<long>(w.stride) * i, sizeof(double) * static_cast<std::size_t>(w.stride));
+    sum += XXH3_64bits(&t, sizeof t);
+  }
+  if (w.has.history_columns > 0) {
+    for (const ContactEntry& e : collect_contacts(w)) {
+      if (!w.is_alive(e.a) || !w.is_alive(e.b)) continue;
+      struct {
+        ParticleId a, b;
+        double h[k_max_history];
+      } t{};
+      const bool flip = w.id[e.a] > w.id[e.b];
+      t.a = w.id[flip ? e.b : e.a];
+      t.b = w.id[flip ? e.a : e.b];
+      for (int k = 0; k < w.has.history_columns; ++k) t.h[k] = flip && k < 3 ? -e.h[k] : e.h[k];
+      sum += XXH3_64bits(&t, sizeof t);
+    }
+    for (const WallState& s : collect_wall_states(w)) {
+      if (!w.is_alive(s.row)) continue;
+      struct {
+        ParticleId id;
+        std::int64_t wall;
+        double h[k_max_history];
+      } t{};
+      t.id = w.id[s.row];
+      t.wall = -1 - s.contact.wall;
+      for (int k = 0; k < w.has.history_columns; ++k) t.h[k] = s.h[k];
+      sum += XXH3_64bits(&t, sizeof t);
+    }
+  }
+  sum += XXH3_64bits_withSeed(&w.step, sizeof w.step, 1) + XXH3_64bits_withSeed(&w.next_id, sizeof w.next_id, 2);
+  if (w.insertion != nullptr) {
+    const std::vector<std::uint8_t> bytes = w.insertion->save();
+    sum += XXH3_64bits_withSeed(bytes.data(), bytes.size(), 3);
+  }
+  return sum;
+}
+
+}  // namespace talus

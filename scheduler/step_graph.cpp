@@ -1,0 +1,344 @@
+// The step at a glance. One step n: check the displacements of the last drift, rebuild the list if it expired, then per
+// chunk narrow phase -> contact forces -> (walls) -> integration, and join.
+//
+//   displacement_check --(valid)-----------------------------------------> start -> narrow_phase[c]
+//          |                                                                 ^        -> contact_force[c]
+//          +--(expired, forced)--> insert -> sort_epoch -> rebuild ----------+          -> (wall_contact[c])
+//          ^                       (only if the scene inserts or has events)              -> integrate[c] -> join
+//          +----------------------------------------------------------------------------------------------------+
+//
+// node                reads                                   writes
+// displacement_check  integrate's flags and leavers           dead rows, counters
+// insert              p, v, scene                             rows appended, v of events
+// sort_epoch          p, v, contacts                          storage order of everything
+// rebuild             p, v, v2, old lists                     x0, cells, lists, masks, history order
+// narrow_phase[c]     p, list c                               mask c, history c, scratch c
+// contact_force[c]    p, v, scratch c                         history c, force rows of c (scratch), energy rows of c
+// wall_contact[c]     p, v, walls, force rows of c            wall history c, force rows of c
+// integrate[c]        p, v, force rows of c, x0               p2, v2 rows of c, flags c
+// join                                                        swaps p/p2 and v/v2, n + 1
+// Two unordered nodes never share a written array (I7): unordered are only nodes of different chunks.
+#include <oneapi/tbb/flow_graph.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <deque>
+
+#include "core/det_math.hpp"
+#include "core/error.hpp"
+#include "scheduler/world.hpp"
+
+namespace talus {
+
+namespace {
+
+std::string at_step(const World& w) { return "step " + std::to_string(w.step); }
+
+/// Runs a node's body; exceptions do not cross TBB: the failure of the lowest chunk is kept and rethrown after the wait.
+template <class F>
+void guarded(World& w, int chunk, F body) {
+  if (w.failed.load(std::memory_order_relaxed)) return;
+  try {
+    body();
+  } catch (...) {
+    const std::lock_guard<std::mutex> lock(w.error_mutex);
+    if (!w.error || chunk < w.error_chunk) {
+      w.error = std::current_exception();
+      w.error_chunk = chunk;
+    }
+    w.failed.store(true);
+  }
+}
+
+/// Failures and leavers of the last integration, in chunk order.
+void collect_results(World& w) {
+  static const char* const axis = "xyz";
+  for (const auto& cp : w.chunks) {
+    Chunk& c = *cp;
+    if (c.deep_slot >= 0) {
+      const Row i = c.row_buffer[0], j = c.row_buffer[1];
+      throw Error(ErrorCode::physics,
+                  "particles " + std::to_string(w.id[i]) + " and " + std::to_string(w.id[j]) + " overlap by more than " +
+                      std::to_string(w.scene.max_overlap) + " of the smaller radius",
+                  "step " + std::to_string(w.step - 1), "stiffer contacts, a smaller time step or a larger checks.max_overlap");
+    }
+    if (c.unstable_row >= 0)
+      throw Error(ErrorCode::physics,
+                  "particle " + std::to_string(w.id[c.unstable_row]) + ": the stiffness of its contacts makes the time step unstable",
+                  "step " + std::to_string(w.step - 1), "a smaller time.step");
+    for (std::int32_t k = 0; k < c.out_count; ++k) {
+      const Row i = c.out[static_cast<std::size_t>(k)];
+      const double* x = w.p.data() + 4L * i;
+      for (int a = 0; a < 3; ++a) {
+        if (w.scene.domain.periodic(a) || (x[a] >= 0 && x[a] < w.size[a])) continue;
+        if (w.scene.domain.boundary[static_cast<std::size_t>(a)][x[a] < 0 ? 0 : 1] != Boundary::open) {
+          const Vec3 at = w.position(i);
+          throw Error(ErrorCode::physics,
+                      "particle " + std::to_string(w.id[i]) + " left the domain through the closed " + axis[a] + " side at (" +
+                          std::to_string(at.x) + ", " + std::to_string(at.y) + ", " + std::to_string(at.z) + ")",
+                      at_step(w), "a smaller time.step, stiffer walls, or an open boundary there");
+        }
+      }
+      remove_row(w, i);
+    }
+    c.out_count = 0;
+  }
+}
+
+}  // namespace
+
+Decision check_step(World& w, std::int64_t target) {
+  NodeTimer timer(w, w.serial, Node::displacement_check);
+  Decision d;
+  collect_results(w);
+  if (w.step >= target) {
+    d.stop = true;
+    return d;
+  }
+  if (w.has.walls) w.walls.set_step(w.step, w.scene.dt);
+  const bool insertion = w.has.insertion && w.insertion->next_step(w.step) == w.step;
+  const bool event = w.next_event < w.scene.events.size() &&
+                     det::nearest(w.scene.events[w.next_event].time / w.scene.dt) <= w.step;
+  const bool epoch = w.step % w.scene.sort_every == 0;
+  d.structure = insertion || event || epoch;
+  bool expired = w.scene.list.policy == ListPolicy::always || (w.has.moving_walls && w.walls.expired());
+  for (const auto& c : w.chunks) expired = expired || c->expired != 0;
+  d.rebuild = d.structure || !w.lists_valid || expired;
+  return d;
+}
+
+void insert_step(World& w) {
+  NodeTimer timer(w, w.serial, Node::insert);
+  for (; w.next_event < w.scene.events.size(); ++w.next_event) {
+    const Event& e = w.scene.events[w.next_event];
+    if (det::nearest(e.time / w.scene.dt) > w.step) break;
+    if (e.action == Event::Action::gravity) {
+      w.gravity = e.vector;
+      continue;
+    }
+    for (Row i = 0; i < w.n; ++i) {
+      if (!w.is_alive(i)) continue;
+      if (e.group >= 0) {
+        const GroupSpec& g = w.scene.groups[static_cast<std::size_t>(e.group)];
+        bool in = w.group[i] == e.group;
+        if (g.fixed_in_file && w.fixed[i] != 0) in = true;
+        if (g.ids && w.id[i] >= (*g.ids)[0] && w.id[i] <= (*g.ids)[1]) in = true;
+        if (g.region) {
+          const Vec3 x = w.position(i), lo = g.region->lower, hi = g.region->upper;
+          bool inside = x.x >= lo.x && x.x <= hi.x && x.y >= lo.y && x.y <= hi.y && x.z >= lo.z && x.z <= hi.z;
+          if (g.region->radius > 0) {
+            const double dx = x.x - 0.5 * (lo.x + hi.x), dy = x.y - 0.5 * (lo.y + hi.y);
+            inside = inside && dx * dx + dy * dy <= g.region->radius * g.region->radius;
+          }
+          in = in || inside;
+        }
+        if (!in) continue;
+      }
+      double* v = w.v.data() + static_cast<long>(w.stride) * i;
+      const double r = w.p[4L * i + 3];
+      const auto set_motion = [&](Vec3 velocity, Vec3 spin) {
+        for (int k = 0; k < 3; ++k) v[k] = velocity[k];
+        if (w.has.rotation)
+          for (int k = 0; k < 3; ++k) v[4 + k] = r * spin[k];
+      };
+      switch (e.action) {
+        case Event::Action::freeze:
+          set_motion({}, {});
+          v[w.stride - 1] = 0;
+          w.fixed[i] = 1;
+          break;
+        case Event::Action::drive:
+          set_motion(e.vector, e.spin);
+          v[w.stride - 1] = 0;
+          w.fixed[i] = 1;
+          break;
+        case Event::Action::release:
+          v[w.stride - 1] = 1.0 / w.mass(i);
+          w.fixed[i] = 0;
+          break;
+        case Event::Action::set_velocity: set_motion(e.vector, e.spin); break;
+        case Event::Action::remove: remove_row(w, i); break;
+        case Event::Action::gravity: break;
+      }
+    }
+  }
+  if (w.has.insertion && w.insertion->next_step(w.step) == w.step) {
+    const NewParticles a = w.insertion->batch(w.step, PresentParticles{std::span<const double>(w.p.data(), 4L * static_cast<std::size_t>(w.n))});
+    if (a.size() > 0) {
+      append_particles(w, a, w.step == 0);
+      w.counters.inserted += static_cast<std::int64_t>(a.size());
+      w.velocity_at_old_step = false;
+      make_chunks(w);  // rows of existing chunks do not move; their lists are carried by the rebuild that follows
+    }
+  }
+}
+
+void sort_step(World& w) {
+  if (w.step % w.scene.sort_every != 0) return;
+  NodeTimer timer(w, w.serial, Node::sort_epoch);
+  sort_epoch(w);
+  rebuild_step(w, true);
+}
+
+void rebuild_step(World& w, bool forced) {
+  NodeTimer timer(w, w.serial, Node::rebuild);
+  const bool epoch = w.step % w.scene.sort_every == 0;
+  if (!epoch) carry_from_lists(w);  // an epoch has already distributed the contacts
+  rebuild_lists(w);
+  w.lists_valid = true;
+  if (forced) {
+    ++w.counters.rebuilds_forced;
+  } else {
+    ++w.counters.rebuilds_skin;
+    const std::int64_t interval = w.step - w.last_rebuild_step;
+    if (w.counters.shortest_interval == 0 || interval < w.counters.shortest_interval) w.counters.shortest_interval = interval;
+  }
+  if (w.counters.interval_steps.size() < 4096) w.counters.interval_steps.push_back(w.step);
+  w.last_rebuild_step = w.step;
+}
+
+void finish_step(World& w) {
+  std::swap(w.p, w.p2);
+  std::swap(w.v, w.v2);
+  w.velocity_at_old_step = true;
+  if (w.has.energies) {
+    NodeTimer timer(w, w.serial, Node::energy);
+    // fixed blocks of 1024 rows in a fixed tree: independent of chunks and threads (I3)
+    double sum[4] = {0, 0, 0, 0};
+    for (Row b = 0; b < w.n; b += k_energy_block) {
+      double part[4] = {0, 0, 0, 0};
+      for (Row i = b; i < std::min<Row>(w.n, b + k_energy_block); ++i) {
+        const double* e = w.energy.data() + 4L * i;
+        for (int k = 1; k < 3; ++k) part[k] = part[k] + e[k];
+        if (w.scene.viscous_damping != 0 && w.is_alive(i)) {
+          const double *v = w.v.data() + static_cast<long>(w.stride) * i, *u = w.v2.data() + static_cast<long>(w.stride) * i;
+          double q = 0, rot = 0;
+          for (int k = 0; k < 3; ++k) q += u[k] * (0.5 * (u[k] + v[k]));
+          if (w.has.rotation)
+            for (int k = 4; k < 7; ++k) rot += u[k] * (0.5 * (u[k] + v[k]));
+          if (v[w.stride - 1] > 0) part[3] += w.scene.viscous_damping * w.scene.dt * w.mass(i) * (q + 0.4 * rot);
+        }
+      }
+      for (int k = 1; k < 4; ++k) sum[k] = sum[k] + part[k];
+    }
+    w.loss_damping += sum[1];
+    w.loss_friction += sum[2];
+    w.loss_background += sum[3];
+    if (w.has.moving_walls)
+      for (const auto& c : w.chunks)
+        for (const double power : c->wall_power) w.wall_work += power;
+  }
+  ++w.step;
+  ++w.counters.steps;
+}
+
+void run_graph(World& w, std::int64_t target) {
+  using namespace tbb::flow;
+  using Go = continue_msg;
+  tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(w.threads));
+  tbb::task_arena arena(w.threads);
+  bool running = true, enter_at_start = false;
+  while (running) {
+    arena.execute([&] {
+      graph g;
+      // Typed nodes in order; a merge is a function_node (a continue_node counts predecessors), a branch a multifunction_node.
+      using Check = multifunction_node<Go, std::tuple<Go, Go>>;
+      Check displacement_check(g, serial, [&w, target](const Go&, Check::output_ports_type& ports) {
+        Decision d;
+        guarded(w, -1, [&] { d = check_step(w, target); });
+        if (d.stop || w.failed.load()) return;
+        if (d.rebuild) std::get<0>(ports).try_put(Go());
+        else std::get<1>(ports).try_put(Go());
+      });
+      const bool inserts = w.has.insertion || w.has.events;
+      function_node<Go, Go> insert(g, serial, [&w](const Go&) {
+        guarded(w, -1, [&] { insert_step(w); });
+        return Go();
+      });
+      using Rebuild = multifunction_node<Go, std::tuple<Go>>;
+      Rebuild rebuild(g, serial, [&w](const Go&, Rebuild::output_ports_type& ports) {
+        guarded(w, -1, [&] {
+          const bool epoch = w.step % w.scene.sort_every == 0;
+          bool expired = w.scene.list.policy == ListPolicy::always || (w.has.moving_walls && w.walls.expired());
+          for (const auto& c : w.chunks) expired = expired || c->expired != 0;
+          if (epoch) sort_step(w);
+          else rebuild_step(w, !expired);
+        });
+        // another number of chunks needs another graph
+        if (!w.failed.load() && static_cast<int>(w.chunks.size()) == w.graph_chunks) std::get<0>(ports).try_put(Go());
+      });
+      const auto audit = [&w] {
+        if (w.options.audit) w.counters.missed_contacts += audit_lists(w);
+      };
+      function_node<Go, Go> start(g, serial, [&w, audit](const Go&) {
+        guarded(w, -1, audit);
+        return Go();
+      });
+      continue_node<Go> join(g, [&w](const Go&) {
+        guarded(w, -1, [&] { finish_step(w); });
+        return Go();
+      });
+      std::deque<continue_node<Go>> nodes;
+      w.graph_chunks = static_cast<int>(w.chunks.size());
+      for (const auto& cp : w.chunks) {
+        Chunk* c = cp.get();
+        const auto add = [&](void (*work)(World&, Chunk&)) -> continue_node<Go>& {
+          return nodes.emplace_back(g, [&w, c, work](const Go&) {
+            guarded(w, c->index, [&] { work(w, *c); });
+            return Go();
+          });
+        };
+        auto& narrow_phase = add(narrow_chunk);
+        auto& contact_force = add(force_chunk);
+        auto& integrate = add(integrate_chunk);
+        make_edge(start, narrow_phase);
+        make_edge(narrow_phase, contact_force);
+        if (w.has.walls) {
+          auto& wall_contact = add(wall_chunk);
+          make_edge(contact_force, wall_contact);
+          make_edge(wall_contact, integrate);
+        } else {
+          make_edge(contact_force, integrate);
+        }
+        make_edge(integrate, join);
+      }
+      if (inserts) {
+        make_edge(output_port<0>(displacement_check), insert);
+        make_edge(insert, rebuild);
+      } else {
+        make_edge(output_port<0>(displacement_check), rebuild);
+      }
+      make_edge(output_port<0>(rebuild), start);
+      make_edge(output_port<1>(displacement_check), start);
+      make_edge(join, displacement_check);
+      if (enter_at_start) start.try_put(Go());
+      else displacement_check.try_put(Go());
+      g.wait_for_all();
+    });
+    enter_at_start = false;
+    if (w.failed.load()) {
+      for (const auto& c : w.chunks)
+        if (c->scratch != nullptr) {
+          w.scratch.give(c->scratch);
+          c->scratch = nullptr;
+        }
+      const std::exception_ptr e = w.error;
+      w.error = nullptr;
+      std::rethrow_exception(e);
+    }
+    running = w.step < target;
+    enter_at_start = running;  // the graph stopped between rebuild and start because the number of chunks changed
+  }
+}
+
+std::string graph_picture(const World& w) {
+  std::string s = "displacement_check --valid--> narrow_phase[c] -> contact_force[c] -> ";
+  if (w.has.walls) s += "wall_contact[c] -> ";
+  s += "integrate[c] -> join -> displacement_check\n";
+  s += "displacement_check --expired--> ";
+  if (w.has.insertion || w.has.events) s += "insert -> ";
+  s += "rebuild (sort_epoch every " + std::to_string(w.scene.sort_every) + " steps) -> narrow_phase[c]\n";
+  return s;
+}
+
+}  // namespace talus
