@@ -275,11 +275,13 @@ WallSpec read_wall(const SceneTable& r, const std::vector<std::string>& material
     w.radius = r.number("radius");
     w.radius_end = w.radius;
     if (w.shape == WallShape::cylinder && w.radius == 0) r.fail("radius", "must be > 0 for a cylinder");
+    if (w.shape == WallShape::cylinder && w.length == 0) r.fail("length", "must be > 0 for a cylinder");
   }
   if (w.shape == WallShape::cone) {
     r.require("radius_end", why);
     w.radius_end = r.number("radius_end");
     if (w.radius == 0 && w.radius_end == 0) r.fail("radius_end", "one of the two radii must be > 0");
+    if (w.length == 0 && w.radius == w.radius_end) r.fail("radius_end", "a flat ring (length 0) needs two different radii");
   }
   if (w.shape == WallShape::box) {
     r.require("lower", why);
