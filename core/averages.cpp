@@ -1,0 +1,277 @@
+// Averages and fluxes; see averages.hpp.
+#include "core/averages.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "core/error.hpp"
+
+namespace talus {
+
+namespace {
+
+constexpr double k_pi = 3.14159265358979323846;
+
+/// Share of a sphere's volume below a plane at signed distance t radii above its centre.
+double below(double t) {
+  if (t <= -1) return 0;
+  if (t >= 1) return 1;
+  return 0.25 * (2 + 3 * t - t * t * t);
+}
+double between(double lower, double upper, double centre, double r) {
+  return below((upper - centre) / r) - below((lower - centre) / r);
+}
+
+double volume_of(double r) { return 4.0 / 3.0 * k_pi * (r * r * r); }
+
+double mass_of(const Frame& f, const Scene& s, std::size_t i) {
+  return volume_of(f.r[i]) * s.materials[f.material.empty() ? 0 : f.material[i]].density;
+}
+
+double weight(const Region& g, Vec3 c, double r) {
+  const double wz = between(g.lower.z, g.upper.z, c.z, r);
+  if (g.radius > 0) {
+    const double dx = c.x - 0.5 * (g.lower.x + g.upper.x), dy = c.y - 0.5 * (g.lower.y + g.upper.y);
+    return wz * below((g.radius - std::sqrt(dx * dx + dy * dy)) / r);
+  }
+  return wz * between(g.lower.x, g.upper.x, c.x, r) * between(g.lower.y, g.upper.y, c.y, r);
+}
+
+/// Weighted sums of one region or cell; add() all particles, mean(), deviate() all particles, finish().
+struct Sums {
+  double w = 0, mass = 0, volume = 0, contacts = 0, deviation = 0;
+  Vec3 momentum, mean;
+  std::array<double, 6> stress{};
+
+  void add(const Frame& f, const Scene& s, std::size_t i, double share) {
+    const double m = share * mass_of(f, s, i), v = share * volume_of(f.r[i]);
+    w += share;
+    mass += m;
+    volume += v;
+    momentum = momentum + m * f.v[i];
+    if (!f.coordination.empty()) contacts += share * f.coordination[i];
+    if (!f.stress.empty())
+      for (int k = 0; k < 6; ++k) stress[k] += v * f.stress[i][k];
+  }
+  void close() {
+    if (mass > 0) mean = (1 / mass) * momentum;
+  }
+  void deviate(const Frame& f, const Scene& s, std::size_t i, double share) {
+    deviation += share * mass_of(f, s, i) * norm2(f.v[i] - mean);
+  }
+  RegionAverage finish(double region_volume) const {
+    RegionAverage a;
+    a.particles = w;
+    a.velocity = mean;
+    if (mass > 0) a.temperature = deviation / (3 * mass);
+    if (w > 0) a.coordination = contacts / w;
+    if (region_volume > 0) {
+      a.solid_fraction = volume / region_volume;
+      for (int k = 0; k < 6; ++k) a.stress[k] = stress[k] / region_volume;
+    }
+    return a;
+  }
+};
+
+/// Cells of one axis that a sphere touches, with the share of the sphere in each slab.
+struct Slabs {
+  int first = 0;
+  std::vector<double> share;
+
+  void fill(double centre, double r, double lower, double h) {
+    first = static_cast<int>(std::floor((centre - r - lower) / h));
+    const int last = static_cast<int>(std::floor((centre + r - lower) / h));
+    share.clear();
+    double before = 0;  // what lies below the first slab is nothing
+    for (int k = first; k <= last; ++k) {
+      const double now = k == last ? 1.0 : below((lower + (k + 1) * h - centre) / r);
+      share.push_back(now - before);
+      before = now;
+    }
+  }
+};
+
+}  // namespace
+
+RegionAverage average_region(const Frame& frame, const Scene& scene, const Region& region) {
+  Sums sums;
+  for (int pass = 0; pass < 2; ++pass) {
+    for (std::size_t i = 0; i < frame.x.size(); ++i) {
+      const double share = weight(region, frame.x[i], frame.r[i]);
+      if (share <= 0) continue;
+      pass == 0 ? sums.add(frame, scene, i, share) : sums.deviate(frame, scene, i, share);
+    }
+    if (pass == 0) sums.close();
+  }
+  const Vec3 d = region.upper - region.lower;
+  return sums.finish(region.radius > 0 ? k_pi * region.radius * region.radius * d.z : d.x * d.y * d.z);
+}
+
+GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3> cells) {
+  for (int n : cells)
+    if (n < 1) throw Error(ErrorCode::io, "averaging grid needs at least one cell per axis", "output.grid");
+  const Vec3 size = scene.domain.upper - scene.domain.lower;
+  GridData g;
+  g.lower = scene.domain.lower;
+  g.cells = cells;
+  g.spacing = {size.x / cells[0], size.y / cells[1], size.z / cells[2]};
+  const std::size_t total = static_cast<std::size_t>(cells[0]) * cells[1] * cells[2];
+  std::vector<Sums> sums(total);
+  std::array<Slabs, 3> slabs;
+  // Index of slab k on an axis: wrapped where periodic, -1 outside the domain.
+  const auto index = [&](int axis, int k) {
+    const int n = cells[axis];
+    if (scene.domain.periodic(axis)) return ((k % n) + n) % n;
+    return k < 0 || k >= n ? -1 : k;
+  };
+  for (int pass = 0; pass < 2; ++pass) {
+    for (std::size_t i = 0; i < frame.x.size(); ++i) {
+      for (int a = 0; a < 3; ++a) slabs[a].fill(frame.x[i][a], frame.r[i], g.lower[a], g.spacing[a]);
+      for (std::size_t kz = 0; kz < slabs[2].share.size(); ++kz) {
+        const int z = index(2, slabs[2].first + static_cast<int>(kz));
+        if (z < 0) continue;
+        for (std::size_t ky = 0; ky < slabs[1].share.size(); ++ky) {
+          const int y = index(1, slabs[1].first + static_cast<int>(ky));
+          if (y < 0) continue;
+          for (std::size_t kx = 0; kx < slabs[0].share.size(); ++kx) {
+            const int x = index(0, slabs[0].first + static_cast<int>(kx));
+            const double share = slabs[0].share[kx] * slabs[1].share[ky] * slabs[2].share[kz];
+            if (x < 0 || share <= 0) continue;
+            Sums& cell = sums[(static_cast<std::size_t>(z) * cells[1] + y) * cells[0] + x];
+            pass == 0 ? cell.add(frame, scene, i, share) : cell.deviate(frame, scene, i, share);
+          }
+        }
+      }
+    }
+    if (pass == 0)
+      for (Sums& s : sums) s.close();
+  }
+  std::vector<double> fraction, velocity, temperature, coordination, stress;
+  for (const Sums& s : sums) {
+    const RegionAverage a = s.finish(g.spacing.x * g.spacing.y * g.spacing.z);
+    fraction.push_back(a.solid_fraction);
+    velocity.insert(velocity.end(), {a.velocity.x, a.velocity.y, a.velocity.z});
+    temperature.push_back(a.temperature);
+    coordination.push_back(a.coordination);
+    const auto& t = a.stress;
+    stress.insert(stress.end(), {t[0], t[1], t[2], t[3], t[5], t[4]});
+  }
+  g.cell_data.push_back({"solid_fraction", 1, std::move(fraction)});
+  g.cell_data.push_back({"velocity", 3, std::move(velocity)});
+  g.cell_data.push_back({"granular_temperature", 1, std::move(temperature)});
+  // By the scene, not by the frame: a frame without particles has the same columns as the others.
+  if (scene.output.coordination) g.cell_data.push_back({"coordination", 1, std::move(coordination)});
+  if (scene.output.stress) g.cell_data.push_back({"stress", 6, std::move(stress)});
+  return g;
+}
+
+FluxPlanes::FluxPlanes(const Scene& scene) : scene_(scene), totals_(scene.output.flux_planes.size()) {}
+
+void FluxPlanes::count(const Past& from, Vec3 displacement, Vec3 shift) {
+  // `shift` is the period that was taken off (or zero): a plane inside the box is met either by the path that starts at
+  // the old position or by the one that ends at the new position.
+  const Vec3 a0 = from.x, a1 = from.x + displacement, b0 = a0 + shift, b1 = a1 + shift;
+  for (std::size_t p = 0; p < totals_.size(); ++p) {
+    const auto& plane = scene_.output.flux_planes[p];
+    const auto side = [&](Vec3 x) { return dot(plane.normal, x - plane.point) >= 0 ? 1 : 0; };
+    int net = side(a1) - side(a0);
+    if (net == 0) net = side(b1) - side(b0);
+    totals_[p].particles += net;
+    totals_[p].mass += net * from.mass;
+  }
+}
+
+Vec3 FluxPlanes::departure(const Past& from, double interval, bool removed_by_event) const {
+  const Vec3 straight = interval * from.v;
+  if (removed_by_event) return straight;
+  const Domain& d = scene_.domain;
+  double hit = k_never, nearest = k_never;
+  Vec3 by_path = straight, by_distance = straight;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int s = 0; s < 2; ++s) {
+      if (d.boundary[axis][s] != Boundary::open) continue;
+      const double gap = (s == 0 ? d.lower : d.upper)[axis] - from.x[axis];
+      const double t = gap / from.v[axis];
+      if (t >= 0 && t < hit) {  // never true for NaN or infinity
+        hit = t;
+        by_path = t * from.v;
+      }
+      if (std::abs(gap) < nearest) {
+        nearest = std::abs(gap);
+        by_distance = Vec3{};
+        by_distance[axis] = gap;
+      }
+    }
+  return hit < k_never ? by_path : by_distance;
+}
+
+void FluxPlanes::update(const Frame& frame) {
+  if (totals_.empty()) return;
+  const double interval = frame.time - time_;
+  bool event = false;
+  for (const Event& e : scene_.events)
+    event = event || (e.action == Event::Action::remove && e.time > time_ - scene_.dt && e.time <= frame.time);
+  const Vec3 period = scene_.domain.upper - scene_.domain.lower;
+  std::size_t now = 0;
+  for (const Past& p : past_) {
+    while (now < frame.id.size() && frame.id[now] < p.id) ++now;  // new particles
+    if (now == frame.id.size() || frame.id[now] != p.id) {
+      count(p, departure(p, interval, event), {});
+      continue;
+    }
+    Vec3 step = frame.x[now] - p.x, shift;
+    for (int a = 0; a < 3; ++a) {
+      if (!scene_.domain.periodic(a)) continue;
+      if (step[a] > 0.5 * period[a]) shift[a] = period[a];
+      if (step[a] < -0.5 * period[a]) shift[a] = -period[a];
+      step[a] -= shift[a];
+    }
+    count(p, step, shift);
+  }
+  past_.clear();
+  for (std::size_t i = 0; i < frame.id.size(); ++i)
+    past_.push_back({frame.id[i], frame.x[i], frame.v[i], mass_of(frame, scene_, i)});
+  time_ = frame.time;
+}
+
+namespace {
+struct FluxHeader {
+  std::uint64_t planes, particles;
+  double time;
+};
+}  // namespace
+
+std::vector<std::uint8_t> FluxPlanes::save() const {
+  static_assert(sizeof(Past) == 64 && sizeof(FluxTotal) == 16);  // no padding: bytes are a function of the state
+  const FluxHeader h{totals_.size(), past_.size(), time_};
+  std::vector<std::uint8_t> b(sizeof h + totals_.size() * sizeof(FluxTotal) + past_.size() * sizeof(Past));
+  std::uint8_t* at = b.data();
+  std::memcpy(at, &h, sizeof h);
+  at += sizeof h;
+  if (!totals_.empty()) std::memcpy(at, totals_.data(), totals_.size() * sizeof(FluxTotal));
+  at += totals_.size() * sizeof(FluxTotal);
+  if (!past_.empty()) std::memcpy(at, past_.data(), past_.size() * sizeof(Past));
+  return b;
+}
+
+void FluxPlanes::load(std::span<const std::uint8_t> bytes) {
+  FluxHeader h{};
+  const char* cure = "resume with the scene that wrote the checkpoint";
+  if (bytes.size() < sizeof h) throw Error(ErrorCode::io, "flux section is too short", "checkpoint", cure);
+  std::memcpy(&h, bytes.data(), sizeof h);
+  if (h.planes != totals_.size())
+    throw Error(ErrorCode::io, "flux section was written for another number of flux planes", "checkpoint", cure);
+  const std::size_t rest = bytes.size() - sizeof h;
+  if (rest < h.planes * sizeof(FluxTotal) || (rest - h.planes * sizeof(FluxTotal)) % sizeof(Past) != 0 ||
+      (rest - h.planes * sizeof(FluxTotal)) / sizeof(Past) != h.particles)
+    throw Error(ErrorCode::io, "flux section has a wrong size", "checkpoint", cure);
+  const std::uint8_t* at = bytes.data() + sizeof h;
+  if (h.planes != 0) std::memcpy(totals_.data(), at, h.planes * sizeof(FluxTotal));
+  at += h.planes * sizeof(FluxTotal);
+  past_.resize(h.particles);
+  if (h.particles != 0) std::memcpy(static_cast<void*>(past_.data()), at, h.particles * sizeof(Past));
+  time_ = h.time;
+}
+
+}  // namespace talus

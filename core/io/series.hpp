@@ -1,0 +1,73 @@
+// series.csv: one row of scalars per output time. Who calls it: cases/ (run). Invariants: the columns are decided once
+// by the scene; numbers are the shortest text that reads back to the same double; rows appear whole; a resumed run ends
+// with the bytes of the uninterrupted one (rates over an interval are taken from values in the file itself).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/averages.hpp"
+#include "core/frame.hpp"
+
+namespace talus {
+
+struct Scene;
+
+/// Which columns exist besides step, time, particles, kinetic_energy, contacts, coordination_number, removed,
+/// removed_mass, mass_flow.
+struct SeriesLayout {
+  bool inserted = false, wall_contacts = false, energies = false, rotation = false;
+  bool region_stress = false, region_coordination = false;
+  std::vector<std::string> walls, planes, regions;  ///< names
+  /// The layout of a scene; `walls` are all wall names in wall order (domain sides included).
+  static SeriesLayout of(const Scene& scene, std::vector<std::string> walls);
+  std::vector<std::string> columns() const;  ///< header, in order
+};
+
+/// Values of one row; vectors have the sizes of the layout. Flux totals are cumulative.
+struct SeriesRow {
+  std::int64_t step = 0;
+  double time = 0;  ///< [s]
+  std::int64_t particles = 0, contacts = 0, wall_contacts = 0, inserted = 0, removed = 0;
+  double kinetic_energy = 0;  ///< translation [J]
+  double removed_mass = 0;    ///< cumulative [kg]
+  Energies energies;
+  std::vector<WallLoad> walls;
+  std::vector<FluxTotal> planes;
+  std::vector<RegionAverage> regions;
+};
+
+class SeriesWriter {
+ public:
+  /// Creates the file with its header. Error{io}.
+  SeriesWriter(const std::string& path, const SeriesLayout& layout);
+  /// Opens an existing file, drops rows later than `last_step` and a torn last row. A missing file is created.
+  /// Error{io}: other columns, or rows that cannot be read.
+  static SeriesWriter resume(const std::string& path, const SeriesLayout& layout, std::int64_t last_step);
+  ~SeriesWriter();
+  SeriesWriter(SeriesWriter&&) noexcept;
+  SeriesWriter& operator=(SeriesWriter&&) noexcept;
+
+  /// Appends one row. Error{io}: sizes that do not fit, a step not after last_step(), or a write failure (the file then
+  /// still ends with the row before).
+  void append(const SeriesRow& row);
+  std::int64_t last_step() const noexcept { return last_step_; }  ///< -1 if there is no row
+
+ private:
+  SeriesWriter() = default;
+  void open(int flags);
+  struct Previous {
+    double time = 0, removed_mass = 0;
+    std::vector<FluxTotal> planes;
+  };
+  std::string path_;
+  SeriesLayout layout_;
+  int fd_ = -1;
+  std::uint64_t size_ = 0;  ///< bytes of whole rows
+  std::int64_t last_step_ = -1;
+  std::optional<Previous> previous_;
+};
+
+}  // namespace talus

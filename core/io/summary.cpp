@@ -1,0 +1,143 @@
+// summary.json; see summary.hpp.
+#include "core/io/summary.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <cmath>
+
+#include "core/io/atomic_file.hpp"
+
+namespace talus {
+
+namespace {
+
+/// Length of the valid UTF-8 sequence at s[i], or 0.
+std::size_t utf8_length(const std::string& s, std::size_t i) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(k < s.size() ? s[k] : 0); };
+  const auto tail = [&](std::size_t k) { return (byte(k) & 0xC0) == 0x80; };
+  const unsigned a = byte(i), b = byte(i + 1);
+  if (a < 0x80) return 1;
+  if (a >= 0xC2 && a <= 0xDF) return tail(i + 1) ? 2 : 0;
+  if (a >= 0xE0 && a <= 0xEF) {
+    if (!tail(i + 1) || !tail(i + 2)) return 0;
+    return (a == 0xE0 && b < 0xA0) || (a == 0xED && b > 0x9F) ? 0 : 3;  // overlong, surrogates
+  }
+  if (a >= 0xF0 && a <= 0xF4) {
+    if (!tail(i + 1) || !tail(i + 2) || !tail(i + 3)) return 0;
+    return (a == 0xF0 && b < 0x90) || (a == 0xF4 && b > 0x8F) ? 0 : 4;  // overlong, above U+10FFFF
+  }
+  return 0;
+}
+
+class Object {
+ public:
+  void raw(const char* key, const std::string& value) {
+    text_ += fmt::format("{}  \"{}\": {}", text_.empty() ? "" : ",\n", key, value);
+  }
+  void add(const char* key, const std::string& v) { raw(key, json_string(v)); }
+  void add(const char* key, double v) { raw(key, number(v)); }
+  void add(const char* key, std::int64_t v) { raw(key, fmt::format("{}", v)); }
+  void add(const char* key, std::uint64_t v) { raw(key, fmt::format("{}", v)); }
+  void add(const char* key, int v) { raw(key, fmt::format("{}", v)); }
+  template <class T>
+  void add(const char* key, const std::optional<T>& v) {
+    v ? add(key, *v) : raw(key, "null");
+  }
+  static std::string number(double v) { return std::isfinite(v) ? fmt::format("{}", v) : "null"; }
+  std::string take() { return "{\n" + text_ + "\n}\n"; }
+
+ private:
+  std::string text_;
+};
+
+}  // namespace
+
+std::string json_string(const std::string& s) {
+  std::string out = "\"";
+  for (std::size_t i = 0; i < s.size();) {
+    const auto c = static_cast<unsigned char>(s[i]);
+    const std::size_t n = utf8_length(s, i);
+    if (n == 0) {
+      out += "\\ufffd";
+      ++i;
+    } else if (n > 1) {
+      out.append(s, i, n);
+      i += n;
+    } else {
+      if (c == '"' || c == '\\') {
+        out += '\\';
+        out += static_cast<char>(c);
+      } else if (c == '\n') {
+        out += "\\n";
+      } else if (c < 0x20 || c == 0x7f) {
+        out += fmt::format("\\u{:04x}", c);
+      } else {
+        out += static_cast<char>(c);
+      }
+      ++i;
+    }
+  }
+  return out + "\"";
+}
+
+std::string summary_json(const Summary& s) {
+  Object o;
+  o.add("title", s.title);
+  o.add("scene_file", s.scene_file);
+  o.add("version", s.version);
+  o.add("status", s.status);
+  o.add("particles", s.particles);
+  o.add("steps", s.steps);
+  o.add("first_step", s.first_step);
+  o.add("last_step", s.last_step);
+  o.add("dt", s.dt);
+  o.add("simulated_time", s.simulated_time);
+  o.add("wall_s", s.wall_s);
+  o.add("particle_steps_per_s", s.particle_steps_per_s);
+  std::string nodes;
+  for (const auto& n : s.nodes)
+    nodes += fmt::format("{}\n    {{\"name\": {}, \"calls\": {}, \"seconds\": {}}}", nodes.empty() ? "" : ",",
+                         json_string(n.name), n.calls, Object::number(n.seconds));
+  o.raw("nodes", nodes.empty() ? "[]" : "[" + nodes + "\n  ]");
+  o.add("rebuilds", s.rebuilds);
+  o.add("rebuilds_skin", s.rebuilds_skin);
+  o.add("rebuilds_forced", s.rebuilds_forced);
+  o.add("shortest_interval", s.shortest_interval);
+  o.add("mean_interval", s.mean_interval);
+  o.raw("rebuild_steps", fmt::format("[{}]", fmt::join(s.rebuild_steps, ", ")));
+  o.add("sort_epochs", s.sort_epochs);
+  o.add("candidate_pairs", s.candidate_pairs);
+  o.add("contacts", s.contacts);
+  o.add("wall_contacts", s.wall_contacts);
+  o.add("inserted", s.inserted);
+  o.add("removed", s.removed);
+  o.add("removed_mass", s.removed_mass);
+  o.add("late_detections", s.late_detections);
+  o.add("missed_contacts", s.missed_contacts);
+  o.add("bytes_per_particle", s.bytes_per_particle);
+  o.add("peak_rss_bytes", s.peak_rss_bytes);
+  o.add("verlet_k", s.verlet_k);
+  o.add("policy", s.policy);
+  o.add("law", s.law);
+  o.add("isa", s.isa);
+  o.add("threads", s.threads);
+  o.add("chunk", s.chunk);
+  o.add("seed", s.seed);
+  o.add("kinetic_energy", s.kinetic_energy);
+  o.add("potential_energy", s.potential_energy);
+  o.add("elastic_energy", s.elastic_energy);
+  o.add("dissipated_energy", s.dissipated_energy);
+  o.add("state_hash", fmt::format("{:016x}", s.state_hash));
+  return o.take();
+}
+
+void write_summary(const std::string& path, const Summary& summary) { write_file_atomic(path, summary_json(summary)); }
+
+std::int64_t peak_rss_bytes() {
+  rusage u{};
+  getrusage(RUSAGE_SELF, &u);
+  return static_cast<std::int64_t>(u.ru_maxrss) * 1024;
+}
+
+}  // namespace talus

@@ -1,0 +1,52 @@
+// summary.json: what was run, how fast, and with which result (DESIGN 6). Who calls it: cases/ (run, also after an
+// error). Invariants: valid JSON for any text and number (non-finite numbers and absent values are null), one key per
+// line, fixed order.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace talus {
+
+struct Summary {
+  struct Node {
+    std::string name;
+    std::int64_t calls = 0;
+    double seconds = 0;  ///< summed over threads
+  };
+  std::string title, scene_file, version, status = "finished";  ///< status: finished, interrupted, failed: <message>
+  std::int64_t particles = 0, steps = 0;                        ///< at the end; steps executed by this call
+  std::int64_t first_step = 0, last_step = 0;
+  double dt = 0, simulated_time = 0;  ///< [s]
+  double wall_s = 0, particle_steps_per_s = 0;
+  std::vector<Node> nodes;  ///< empty unless profiled
+  std::int64_t rebuilds = 0, rebuilds_skin = 0, rebuilds_forced = 0, shortest_interval = 0;
+  double mean_interval = 0;                 ///< steps per rebuild
+  std::vector<std::int64_t> rebuild_steps;  ///< steps of the last rebuilds
+  std::int64_t sort_epochs = 0;
+  std::int64_t candidate_pairs = 0, contacts = 0, wall_contacts = 0;
+  std::int64_t inserted = 0, removed = 0;
+  double removed_mass = 0;                                       ///< [kg]
+  std::optional<std::int64_t> late_detections, missed_contacts;  ///< only if audited
+  double bytes_per_particle = 0;
+  std::int64_t peak_rss_bytes = 0;
+  double verlet_k = 0;
+  std::string policy, law, isa;
+  int threads = 0, chunk = 0;
+  std::uint64_t seed = 0;
+  std::optional<double> kinetic_energy, potential_energy, elastic_energy, dissipated_energy;  ///< [J]
+  std::uint64_t state_hash = 0;
+};
+
+/// The JSON text, ending with a newline; state_hash as 16 hex digits.
+std::string summary_json(const Summary& summary);
+/// Writes PATH atomically. Error{io}.
+void write_summary(const std::string& path, const Summary& summary);
+/// A JSON string literal of any bytes: control characters escaped, invalid UTF-8 replaced by U+FFFD.
+std::string json_string(const std::string& text);
+/// Largest resident memory of this process so far [bytes].
+std::int64_t peak_rss_bytes();
+
+}  // namespace talus

@@ -1,0 +1,456 @@
+// VTKHDF writer; see vtkhdf.hpp. The only unit that includes hdf5.h.
+// How VTK finds frame k (one part per step, so PartOffsets[k] = k): points at PointOffsets[k]; the cell offsets of a
+// kind at CellOffsets[k] + (number of parts before k), since every part stores NumberOfCells + 1 of them; connectivity
+// at ConnectivityIdOffsets[k]. VTK up to 9.3 counts all parts before k; later ones count parts only until the cells
+// before the frame are reached, which skips empty parts directly before it. One spare entry in Offsets, added when a
+// kind first has cells again right after an empty frame (CellOffsets then runs one ahead of the cells), makes both
+// counts agree.
+#include "core/io/vtkhdf.hpp"
+
+#include <hdf5.h>
+
+#include <array>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "core/error.hpp"
+
+namespace talus {
+
+namespace {
+
+constexpr std::array<const char*, 4> k_kinds{"Vertices", "Lines", "Polygons", "Strips"};
+constexpr hsize_t k_chunk_rows = 4096;  ///< of columns that grow with the particles
+constexpr hsize_t k_chunk_steps = 64;   ///< of columns with one row per frame
+
+/// Owns one HDF5 handle of any kind.
+class Handle {
+ public:
+  Handle() = default;
+  explicit Handle(hid_t id) : id_(id) {}
+  Handle(Handle&& o) noexcept : id_(std::exchange(o.id_, -1)) {}
+  Handle& operator=(Handle&& o) noexcept {
+    std::swap(id_, o.id_);
+    return *this;
+  }
+  ~Handle() { close(); }
+  void close() noexcept {
+    if (id_ >= 0) {
+      switch (H5Iget_type(id_)) {
+        case H5I_FILE:
+          H5Fclose(id_);
+          break;
+        case H5I_GROUP:
+          H5Gclose(id_);
+          break;
+        case H5I_DATASET:
+          H5Dclose(id_);
+          break;
+        case H5I_DATASPACE:
+          H5Sclose(id_);
+          break;
+        case H5I_DATATYPE:
+          H5Tclose(id_);
+          break;
+        case H5I_ATTR:
+          H5Aclose(id_);
+          break;
+        default:
+          H5Pclose(id_);
+          break;
+      }
+    }
+    id_ = -1;
+  }
+  operator hid_t() const noexcept { return id_; }
+
+ private:
+  hid_t id_ = -1;
+};
+
+/// Rows of one chunked dataset that grows along its first axis.
+struct Rows {
+  std::string name;
+  Handle id;
+  hid_t memory = -1;  ///< native type of the values
+  hsize_t width = 1;
+  bool matrix = false;  ///< rank 2 even when width is 1
+  hsize_t rows = 0;
+};
+
+herr_t innermost(unsigned n, const H5E_error2_t* e, void* out) {
+  if (n == 0 && e->desc != nullptr) *static_cast<std::string*>(out) = e->desc;
+  return 0;
+}
+
+}  // namespace
+
+struct VtkHdfWriter::Impl {
+  std::string path;
+  ParticleColumns columns;
+  Content content = Content::particles;
+  Handle file, steps_group;
+  Rows number_of_points, points;
+  struct Kind {
+    Rows cells, ids, offsets, connectivity;
+    hsize_t cell_base = 0;  ///< next CellOffsets entry (cells written, plus one after a spare entry)
+    bool spare = false, empty_before = false;
+  };
+  std::array<Kind, 4> kinds;
+  Rows values, part_offsets, number_of_parts, point_offsets, cell_offsets, connectivity_offsets, step_numbers;
+  std::vector<Rows> point_data, point_data_offsets, cell_data, cell_data_offsets;
+  std::int64_t frames = 0, last_step = -1;
+
+  [[noreturn]] void fail(const std::string& action) const {
+    std::string reason;
+    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, innermost, &reason);
+    throw Error(ErrorCode::io, "cannot " + action + (reason.empty() ? "" : ": " + reason), path,
+                "check free space and permissions; frames written before stay readable");
+  }
+  template <class T>
+  T check(T r, const char* action) const {
+    if (r < 0) fail(action);
+    return r;
+  }
+
+  PolyData poly(const Frame& frame) const {
+    if (content == Content::walls) return wall_poly(frame);
+    if (content == Content::contacts) return contact_poly(frame);
+    return particle_poly(frame, columns);
+  }
+
+  static hid_t native_type(const PolyColumn& c) {
+    switch (c.values.index()) {
+      case 0:
+        return H5T_NATIVE_DOUBLE;
+      case 1:
+        return H5T_NATIVE_INT64;
+      case 2:
+        return H5T_NATIVE_INT32;
+      default:
+        return H5T_NATIVE_UINT8;
+    }
+  }
+  static hid_t file_type(hid_t native) {
+    if (H5Tequal(native, H5T_NATIVE_DOUBLE) > 0) return H5T_IEEE_F64LE;
+    if (H5Tequal(native, H5T_NATIVE_INT64) > 0) return H5T_STD_I64LE;
+    if (H5Tequal(native, H5T_NATIVE_INT32) > 0) return H5T_STD_I32LE;
+    return H5T_STD_U8LE;
+  }
+
+  /// Creates the dataset, or opens it when the file is resumed.
+  void dataset(Rows& r, const std::string& name, hid_t memory, hsize_t width, bool matrix, bool create, hsize_t chunk) {
+    r.name = name;
+    r.memory = memory;
+    r.width = width;
+    r.matrix = matrix || width > 1;
+    const int rank = r.matrix ? 2 : 1;
+    if (create) {
+      const hsize_t size[2] = {0, width}, most[2] = {H5S_UNLIMITED, width}, chunks[2] = {chunk, width};
+      Handle space(check(H5Screate_simple(rank, size, most), "create a dataspace"));
+      Handle plist(check(H5Pcreate(H5P_DATASET_CREATE), "create a dataset"));
+      check(H5Pset_chunk(plist, rank, chunks), "create a dataset");
+      // Same frames, same bytes: no creation dates. Not compressed: rewriting a compressed chunk moves it, and a kill
+      // between two flushes could then lose frames that were safe before.
+      check(H5Pset_obj_track_times(plist, false), "create a dataset");
+      r.id = Handle(check(H5Dcreate2(file, name.c_str(), file_type(memory), space, H5P_DEFAULT, plist, H5P_DEFAULT),
+                          "create a dataset"));
+      r.rows = 0;
+      return;
+    }
+    r.id = Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT));
+    if (r.id < 0) throw_other_layout("it has no '" + name + "'");
+    Handle space(check(H5Dget_space(r.id), "read a dataspace"));
+    hsize_t size[2] = {0, 1};
+    if (H5Sget_simple_extent_ndims(space) != rank || H5Sget_simple_extent_dims(space, size, nullptr) < 0 ||
+        (rank == 2 && size[1] != width))
+      throw_other_layout("'" + name + "' has another shape");
+    r.rows = size[0];
+  }
+  [[noreturn]] void throw_other_layout(const std::string& why) const {
+    throw Error(ErrorCode::io, "cannot be continued: " + why, path,
+                "resume with the scene that wrote it, or write to another folder");
+  }
+
+  void append_rows(Rows& r, const void* data, hsize_t n) {
+    if (n == 0) return;
+    const int rank = r.matrix ? 2 : 1;
+    const hsize_t total[2] = {r.rows + n, r.width}, start[2] = {r.rows, 0}, count[2] = {n, r.width};
+    check(H5Dset_extent(r.id, total), "extend a dataset");
+    Handle space(check(H5Dget_space(r.id), "write"));
+    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr), "write");
+    Handle memory(check(H5Screate_simple(rank, count, nullptr), "write"));
+    check(H5Dwrite(r.id, r.memory, memory, space, H5P_DEFAULT, data), "write");
+    r.rows += n;
+  }
+  void append_value(Rows& r, std::int64_t v) { append_rows(r, &v, 1); }
+
+  std::vector<std::int64_t> read_row(const Rows& r, hsize_t row) const {
+    if (row >= r.rows) throw_other_layout("'" + r.name + "' is shorter than its number of steps");
+    std::vector<std::int64_t> out(r.width);
+    const hsize_t start[2] = {row, 0}, count[2] = {1, r.width};
+    Handle space(check(H5Dget_space(r.id), "read"));
+    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr), "read");
+    Handle memory(check(H5Screate_simple(r.matrix ? 2 : 1, count, nullptr), "read"));
+    check(H5Dread(r.id, H5T_NATIVE_INT64, memory, space, H5P_DEFAULT, out.data()), "read");
+    return out;
+  }
+  std::int64_t read_value(const Rows& r, hsize_t row) const { return read_row(r, row)[0]; }
+
+  void shrink(Rows& r, hsize_t rows) {
+    if (rows > r.rows) throw_other_layout("'" + r.name + "' is shorter than its steps say");
+    const hsize_t size[2] = {rows, r.width};
+    check(H5Dset_extent(r.id, size), "cut a dataset");
+    r.rows = rows;
+  }
+
+  void group(const char* name) {
+    Handle g(check(H5Gcreate2(file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "create a group"));
+  }
+
+  void write_n_steps() {
+    Handle a(check(H5Aopen(steps_group, "NSteps", H5P_DEFAULT), "open NSteps"));
+    check(H5Awrite(a, H5T_NATIVE_INT64, &frames), "write NSteps");
+  }
+  void flush() { check(H5Fflush(file, H5F_SCOPE_LOCAL), "flush"); }
+
+  /// All datasets of the file, created or opened.
+  void datasets(bool create) {
+    if (create) {
+      for (const char* g : {"/VTKHDF", "/VTKHDF/PointData", "/VTKHDF/CellData", "/VTKHDF/FieldData", "/VTKHDF/Steps",
+                            "/VTKHDF/Steps/PointDataOffsets", "/VTKHDF/Steps/CellDataOffsets", "/talus"})
+        group(g);
+      for (const char* k : k_kinds) group((std::string("/VTKHDF/") + k).c_str());
+    }
+    const auto i64 = H5T_NATIVE_INT64;
+    const std::string root = "/VTKHDF/", steps = "/VTKHDF/Steps/";
+    const auto per_frame = [&](Rows& r, const std::string& name, hsize_t width = 1) {
+      dataset(r, name, i64, width, false, create, k_chunk_steps);
+    };
+    per_frame(number_of_points, root + "NumberOfPoints");
+    dataset(points, root + "Points", H5T_NATIVE_DOUBLE, 3, true, create, k_chunk_rows);
+    for (int k = 0; k < 4; ++k) {
+      const std::string base = root + k_kinds[k] + "/";
+      per_frame(kinds[k].cells, base + "NumberOfCells");
+      per_frame(kinds[k].ids, base + "NumberOfConnectivityIds");
+      dataset(kinds[k].offsets, base + "Offsets", i64, 1, false, create, k_chunk_rows);
+      dataset(kinds[k].connectivity, base + "Connectivity", i64, 1, false, create, k_chunk_rows);
+    }
+    dataset(values, steps + "Values", H5T_NATIVE_DOUBLE, 1, false, create, k_chunk_steps);
+    per_frame(part_offsets, steps + "PartOffsets");
+    per_frame(number_of_parts, steps + "NumberOfParts");
+    per_frame(point_offsets, steps + "PointOffsets");
+    per_frame(cell_offsets, steps + "CellOffsets", 4);
+    per_frame(connectivity_offsets, steps + "ConnectivityIdOffsets", 4);
+    // Step numbers are no VTK concept: readers ignore groups outside /VTKHDF.
+    per_frame(step_numbers, "/talus/step");
+
+    Frame none;  // shows the columns
+    const PolyData p = poly(none);
+    const auto fields = [&](const std::vector<PolyColumn>& columns_of, const std::string& place,
+                            std::vector<Rows>& data, std::vector<Rows>& offsets) {
+      data.resize(columns_of.size());
+      offsets.resize(columns_of.size());
+      for (std::size_t c = 0; c < columns_of.size(); ++c) {
+        const PolyColumn& col = columns_of[c];
+        dataset(data[c], root + place + "/" + col.name, native_type(col), static_cast<hsize_t>(col.components), false,
+                create, k_chunk_rows);
+        per_frame(offsets[c], steps + place + "Offsets/" + col.name);
+      }
+      Handle g(check(H5Gopen2(file, (root + place).c_str(), H5P_DEFAULT), "open a group"));
+      H5G_info_t info{};
+      check(H5Gget_info(g, &info), "read a group");
+      if (info.nlinks != columns_of.size()) throw_other_layout("it has other columns than this run");
+    };
+    fields(p.point_data, "PointData", point_data, point_data_offsets);
+    fields(p.cell_data, "CellData", cell_data, cell_data_offsets);
+  }
+
+  void attributes() {
+    Handle root(check(H5Gopen2(file, "/VTKHDF", H5P_DEFAULT), "open a group"));
+    // VTK compares this attribute byte by byte: a fixed ASCII string of exactly 8 bytes.
+    Handle text(check(H5Tcopy(H5T_C_S1), "create a type"));
+    check(H5Tset_size(text, 8), "create a type");
+    check(H5Tset_strpad(text, H5T_STR_NULLPAD), "create a type");
+    check(H5Tset_cset(text, H5T_CSET_ASCII), "create a type");
+    Handle scalar(check(H5Screate(H5S_SCALAR), "create a dataspace"));
+    Handle type(check(H5Acreate2(root, "Type", text, scalar, H5P_DEFAULT, H5P_DEFAULT), "create Type"));
+    check(H5Awrite(type, text, "PolyData"), "write Type");
+    const hsize_t two = 2;
+    const std::int64_t version[2] = {2, 0};
+    Handle pair(check(H5Screate_simple(1, &two, nullptr), "create a dataspace"));
+    Handle v(check(H5Acreate2(root, "Version", H5T_STD_I64LE, pair, H5P_DEFAULT, H5P_DEFAULT), "create Version"));
+    check(H5Awrite(v, H5T_NATIVE_INT64, version), "write Version");
+    Handle n(
+        check(H5Acreate2(steps_group, "NSteps", H5T_STD_I64LE, scalar, H5P_DEFAULT, H5P_DEFAULT), "create NSteps"));
+    check(H5Awrite(n, H5T_NATIVE_INT64, &frames), "write NSteps");
+  }
+
+  Handle access() const {
+    Handle p(check(H5Pcreate(H5P_FILE_ACCESS), "prepare the file"));
+    // Viewers may look at a running simulation: take no exclusive lock.
+    check(H5Pset_file_locking(p, false, true), "prepare the file");
+    return p;
+  }
+
+  void create() {
+    Handle fapl = access();
+    file = Handle(check(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, fapl), "create"));
+    datasets(true);
+    steps_group = Handle(check(H5Gopen2(file, "/VTKHDF/Steps", H5P_DEFAULT), "open a group"));
+    attributes();
+    flush();
+  }
+
+  void open(std::int64_t resume_step) {
+    Handle fapl = access();
+    file = Handle(check(H5Fopen(path.c_str(), H5F_ACC_RDWR, fapl), "open"));
+    datasets(false);
+    steps_group = Handle(check(H5Gopen2(file, "/VTKHDF/Steps", H5P_DEFAULT), "open a group"));
+    Handle a(H5Aopen(steps_group, "NSteps", H5P_DEFAULT));
+    if (a < 0) throw_other_layout("it has no NSteps");
+    check(H5Aread(a, H5T_NATIVE_INT64, &frames), "read NSteps");
+    while (frames > 0 && read_value(step_numbers, static_cast<hsize_t>(frames - 1)) > resume_step) --frames;
+    if (frames < 0) throw_other_layout("NSteps is negative");
+    last_step = frames > 0 ? read_value(step_numbers, static_cast<hsize_t>(frames - 1)) : -1;
+    // First forget the frames, then cut their data: a kill in between leaves unused rows, which append overwrites.
+    write_n_steps();
+    flush();
+    cut();
+    flush();
+  }
+
+  void cut() {
+    const auto n = static_cast<hsize_t>(frames);
+    hsize_t n_points = 0, n_cells = 0;
+    std::array<hsize_t, 4> n_offsets{}, n_ids{};
+    if (n > 0) {
+      n_points = static_cast<hsize_t>(read_value(point_offsets, n - 1) + read_value(number_of_points, n - 1));
+      const auto cell_row = read_row(cell_offsets, n - 1), id_row = read_row(connectivity_offsets, n - 1);
+      for (int k = 0; k < 4; ++k) {
+        const std::int64_t cells = read_value(kinds[k].cells, n - 1);
+        kinds[k].cell_base = static_cast<hsize_t>(cell_row[k] + cells);
+        kinds[k].empty_before = cells == 0;
+        n_offsets[k] = kinds[k].cell_base + n;
+        n_ids[k] = static_cast<hsize_t>(id_row[k] + read_value(kinds[k].ids, n - 1));
+        hsize_t cells_written = 0;
+        for (hsize_t f = 0; f < n; ++f) cells_written += static_cast<hsize_t>(read_value(kinds[k].cells, f));
+        kinds[k].spare = kinds[k].cell_base != cells_written;
+        n_cells += cells_written;
+      }
+    }
+    for (Rows* r : {&number_of_points, &values, &part_offsets, &number_of_parts, &point_offsets, &cell_offsets,
+                    &connectivity_offsets, &step_numbers})
+      shrink(*r, n);
+    shrink(points, n_points);
+    for (int k = 0; k < 4; ++k) {
+      shrink(kinds[k].cells, n);
+      shrink(kinds[k].ids, n);
+      shrink(kinds[k].offsets, n_offsets[k]);
+      shrink(kinds[k].connectivity, n_ids[k]);
+    }
+    for (Rows& r : point_data) shrink(r, n_points);
+    for (Rows& r : cell_data) shrink(r, n_cells);
+    for (auto* group_of : {&point_data_offsets, &cell_data_offsets})
+      for (Rows& r : *group_of) shrink(r, n);
+  }
+
+  void append_columns(const std::vector<PolyColumn>& from, std::vector<Rows>& to, std::vector<Rows>& offsets) {
+    for (std::size_t c = 0; c < from.size(); ++c) {
+      append_value(offsets[c], static_cast<std::int64_t>(to[c].rows));
+      std::visit([&](const auto& v) { append_rows(to[c], v.data(), v.size() / to[c].width); }, from[c].values);
+    }
+  }
+
+  void append_kind(int k, std::int64_t n_cells, std::int64_t per_cell, const std::vector<std::int64_t>& connectivity,
+                   std::array<std::int64_t, 4>& cell_row, std::array<std::int64_t, 4>& id_row) {
+    Kind& kind = kinds[k];
+    if (n_cells > 0 && kind.empty_before && !kind.spare) {
+      append_value(kind.offsets, 0);
+      kind.spare = true;
+      ++kind.cell_base;
+    }
+    cell_row[k] = static_cast<std::int64_t>(kind.cell_base);
+    id_row[k] = static_cast<std::int64_t>(kind.connectivity.rows);
+    append_value(kind.cells, n_cells);
+    append_value(kind.ids, static_cast<std::int64_t>(connectivity.size()));
+    std::vector<std::int64_t> ends(static_cast<std::size_t>(n_cells) + 1);
+    for (std::size_t c = 0; c < ends.size(); ++c) ends[c] = static_cast<std::int64_t>(c) * per_cell;
+    append_rows(kind.offsets, ends.data(), ends.size());
+    append_rows(kind.connectivity, connectivity.data(), connectivity.size());
+    kind.cell_base += static_cast<hsize_t>(n_cells);
+    kind.empty_before = n_cells == 0;
+  }
+
+  void append(const Frame& frame) {
+    if (frame.step <= last_step)
+      throw Error(ErrorCode::io,
+                  "frame of step " + std::to_string(frame.step) + " does not come after the last one (" +
+                      std::to_string(last_step) + ")",
+                  path, "each step is written once");
+    const PolyData p = poly(frame);
+    const auto n_points = static_cast<std::int64_t>(p.points.size());
+    append_rows(values, &frame.time, 1);
+    append_value(step_numbers, frame.step);
+    append_value(part_offsets, frames);
+    append_value(number_of_parts, 1);
+    append_value(point_offsets, static_cast<std::int64_t>(points.rows));
+    append_value(number_of_points, n_points);
+    static_assert(sizeof(Vec3) == 3 * sizeof(double));
+    append_rows(points, p.points.data(), p.points.size());
+    std::array<std::int64_t, 4> cell_row{}, id_row{};
+    std::vector<std::int64_t> ids;
+    if (p.vertices) {
+      ids.resize(p.points.size());
+      for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = static_cast<std::int64_t>(i);
+    }
+    append_kind(0, p.vertices ? n_points : 0, 1, ids, cell_row, id_row);
+    append_kind(1, 0, 1, {}, cell_row, id_row);
+    ids.clear();
+    for (const auto& t : p.triangles) ids.insert(ids.end(), t.begin(), t.end());
+    append_kind(2, static_cast<std::int64_t>(p.triangles.size()), 3, ids, cell_row, id_row);
+    append_kind(3, 0, 1, {}, cell_row, id_row);
+    append_rows(cell_offsets, cell_row.data(), 1);
+    append_rows(connectivity_offsets, id_row.data(), 1);
+    append_columns(p.point_data, point_data, point_data_offsets);
+    append_columns(p.cell_data, cell_data, cell_data_offsets);
+    flush();
+    ++frames;
+    last_step = frame.step;
+    write_n_steps();
+    flush();
+  }
+};
+
+VtkHdfWriter::VtkHdfWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+VtkHdfWriter::VtkHdfWriter(VtkHdfWriter&&) noexcept = default;
+VtkHdfWriter& VtkHdfWriter::operator=(VtkHdfWriter&&) noexcept = default;
+VtkHdfWriter::~VtkHdfWriter() = default;
+
+VtkHdfWriter::VtkHdfWriter(const std::string& path, const ParticleColumns& columns, Content content)
+    : impl_(std::make_unique<Impl>()) {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // a library prints nothing; reasons go into Error
+  impl_->path = path;
+  impl_->columns = columns;
+  impl_->content = content;
+  impl_->create();
+}
+
+VtkHdfWriter VtkHdfWriter::resume(const std::string& path, const ParticleColumns& columns, Content content,
+                                  std::int64_t last_step) {
+  if (!std::filesystem::exists(path)) return VtkHdfWriter(path, columns, content);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  auto impl = std::make_unique<Impl>();
+  impl->path = path;
+  impl->columns = columns;
+  impl->content = content;
+  impl->open(last_step);
+  return VtkHdfWriter(std::move(impl));
+}
+
+void VtkHdfWriter::append(const Frame& frame) { impl_->append(frame); }
+std::int64_t VtkHdfWriter::frames() const noexcept { return impl_->frames; }
+std::int64_t VtkHdfWriter::last_step() const noexcept { return impl_->last_step; }
+
+}  // namespace talus

@@ -1,0 +1,40 @@
+// VtkHdfWriter: particles, walls or contacts over time in one VTKHDF 2.0 temporal PolyData file (ParaView >= 5.12).
+// Who calls it: cases/ (run), one object per file. Invariants: one part per step; NSteps is written last and the file
+// is flushed before and after it, so that a killed run leaves a readable file that ends with a whole frame; times and
+// bytes depend on the frames only.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/frame.hpp"
+#include "core/io/poly_data.hpp"
+
+namespace talus {
+
+class VtkHdfWriter {
+ public:
+  enum class Content { particles, walls, contacts };
+
+  /// Creates the file (an old one is replaced). `columns` matters for particles only. Error{io}.
+  VtkHdfWriter(const std::string& path, const ParticleColumns& columns, Content content = Content::particles);
+  /// Opens an existing file for appending and drops all frames later than `last_step` (the step of the checkpoint).
+  /// A missing file is created. Error{io}: not a file of this program, or other columns.
+  static VtkHdfWriter resume(const std::string& path, const ParticleColumns& columns, Content content,
+                             std::int64_t last_step);
+  ~VtkHdfWriter();
+  VtkHdfWriter(VtkHdfWriter&&) noexcept;
+  VtkHdfWriter& operator=(VtkHdfWriter&&) noexcept;
+
+  /// Appends one frame and flushes. Error{io}: write failure, missing column, or a step not after last_step().
+  void append(const Frame& frame);
+  std::int64_t frames() const noexcept;     ///< in the file
+  std::int64_t last_step() const noexcept;  ///< step of the last frame, -1 if none
+
+ private:
+  struct Impl;
+  explicit VtkHdfWriter(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace talus

@@ -1,0 +1,174 @@
+// VTKHDF files, checked by an independent reader (check_vtkhdf.py, h5py): schema, offsets, values, resume, kills.
+#include "core/io/vtkhdf.hpp"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "core/error.hpp"
+#include "tests/io/output_frames.hpp"
+
+namespace talus {
+namespace {
+
+using test::make_frame;
+using test::python;
+using test::slurp;
+using test::TemporaryFolder;
+using Content = VtkHdfWriter::Content;
+
+const ParticleColumns k_all{true, true, true, true, true};
+
+TEST(VtkHdf, ParticlesOfVaryingNumberMatchTheFormat) {
+  TemporaryFolder folder;
+  {
+    VtkHdfWriter w(folder / "p.vtkhdf", k_all);
+    for (auto [step, n] : {std::pair{0, 5}, {10, 5000}, {20, 12}, {30, 12}}) w.append(make_frame(step, n));
+    EXPECT_EQ(w.frames(), 4);
+    EXPECT_EQ(w.last_step(), 30);
+  }
+  EXPECT_TRUE(python("check_vtkhdf.py", folder / "p.vtkhdf" + " particles 0:5 10:5000 20:12 30:12"));
+}
+
+TEST(VtkHdf, CheckerRejectsAnotherFrame) {  // the checker itself must be able to fail
+  TemporaryFolder folder;
+  { VtkHdfWriter(folder / "p.vtkhdf", k_all).append(make_frame(10, 5)); }
+  EXPECT_TRUE(python("check_vtkhdf.py", folder / "p.vtkhdf" + " particles 10:5"));
+  EXPECT_FALSE(python("check_vtkhdf.py", folder / "p.vtkhdf" + " particles 11:5 2>/dev/null"));
+  EXPECT_FALSE(python("check_vtkhdf.py", folder / "p.vtkhdf" + " particles 10:4 2>/dev/null"));
+}
+
+TEST(VtkHdf, EmptyFramesAnywhereKeepOffsetsRightForOldAndNewReaders) {
+  TemporaryFolder folder;
+  {
+    VtkHdfWriter w(folder / "p.vtkhdf", {}), walls(folder / "w.vtkhdf", {}, Content::walls);
+    const int counts[] = {0, 0, 4, 7, 0, 3, 0, 0};
+    for (int k = 0; k < 8; ++k) {
+      w.append(make_frame(k, counts[k]));
+      walls.append(make_frame(k, 0, counts[k]));
+    }
+  }
+  EXPECT_TRUE(python("check_vtkhdf.py", folder / "p.vtkhdf" + " particles 0:0 1:0 2:4 3:7 4:0 5:3 6:0 7:0"));
+  EXPECT_TRUE(python("check_vtkhdf.py", folder / "w.vtkhdf" + " walls 0:0 1:0 2:4 3:7 4:0 5:3 6:0 7:0"));
+}
+
+TEST(VtkHdf, WallsAndContacts) {
+  TemporaryFolder folder;
+  {
+    VtkHdfWriter walls(folder / "w.vtkhdf", {}, Content::walls), contacts(folder / "c.vtkhdf", {}, Content::contacts);
+    for (int step : {0, 4}) {
+      walls.append(make_frame(step, 3, 6));
+      contacts.append(make_frame(step, 3 + step, 6));
+    }
+  }
+  EXPECT_TRUE(python("check_vtkhdf.py", folder / "w.vtkhdf" + " walls 0:6 4:6"));
+  EXPECT_TRUE(python("check_vtkhdf.py", folder / "c.vtkhdf" + " contacts 0:3 4:7"));
+}
+
+TEST(VtkHdf, ColumnsFollowTheSceneNotTheFrame) {
+  TemporaryFolder folder;
+  Frame bare = make_frame(0, 2);
+  bare.w.clear();
+  bare.material.clear();
+  bare.fixed.clear();
+  bare.coordination.clear();
+  bare.stress.clear();
+  VtkHdfWriter w(folder / "p.vtkhdf", {});
+  EXPECT_NO_THROW(w.append(bare));
+  VtkHdfWriter all(folder / "q.vtkhdf", k_all);
+  EXPECT_THROW(all.append(bare), Error);
+}
+
+TEST(VtkHdf, ResumeDropsLaterFramesAndContinuesLikeAnUninterruptedRun) {
+  for (std::int64_t resumed : {-1, 0, 10, 14, 20, 30, 99}) {
+    TemporaryFolder folder;
+    const std::string path = folder / "p.vtkhdf", whole = folder / "q.vtkhdf";
+    const std::pair<int, int> plan[] = {{0, 3}, {10, 0}, {20, 6000}, {30, 2}, {40, 4}};
+    {
+      VtkHdfWriter w(path, k_all);
+      for (int k = 0; k < 4; ++k) w.append(make_frame(plan[k].first, plan[k].second));
+    }
+    {
+      auto w = VtkHdfWriter::resume(path, k_all, Content::particles, resumed);
+      EXPECT_EQ(w.last_step(), resumed < 0 ? -1 : resumed >= 30 ? 30 : resumed / 10 * 10);
+      for (auto [step, n] : plan)
+        if (step > w.last_step()) w.append(make_frame(step, n));
+    }
+    EXPECT_TRUE(python("check_vtkhdf.py", path + " particles 0:3 10:0 20:6000 30:2 40:4")) << resumed;
+  }
+}
+
+TEST(VtkHdf, ResumeRefusesOtherColumnsAndForeignFiles) {
+  TemporaryFolder folder;
+  { VtkHdfWriter(folder / "p.vtkhdf", k_all).append(make_frame(0, 3)); }
+  const auto resume = [&](const std::string& name, const ParticleColumns& c, Content content = Content::particles) {
+    try {
+      VtkHdfWriter::resume(folder / name, c, content, 0);
+      return ErrorCode::usage;  // accepted
+    } catch (const Error& e) {
+      return e.code();
+    }
+  };
+  EXPECT_EQ(resume("p.vtkhdf", {}), ErrorCode::io);
+  EXPECT_EQ(resume("p.vtkhdf", {}, Content::walls), ErrorCode::io);
+  test::spill(folder / "junk.vtkhdf", "not an HDF5 file");
+  EXPECT_EQ(resume("junk.vtkhdf", k_all), ErrorCode::io);
+  EXPECT_EQ(resume("new.vtkhdf", k_all), ErrorCode::usage);  // a missing file is created
+  EXPECT_THROW(VtkHdfWriter(folder / "none/p.vtkhdf", k_all), Error);
+}
+
+TEST(VtkHdf, StepsMustAscend) {
+  TemporaryFolder folder;
+  VtkHdfWriter w(folder / "p.vtkhdf", {});
+  w.append(make_frame(5, 2));
+  EXPECT_THROW(w.append(make_frame(5, 2)), Error);
+  EXPECT_THROW(w.append(make_frame(4, 2)), Error);
+  EXPECT_NO_THROW(w.append(make_frame(6, 2)));
+}
+
+TEST(VtkHdf, SameFramesGiveSameBytes) {
+  TemporaryFolder folder;
+  for (const char* name : {"a", "b"}) {
+    VtkHdfWriter w(folder / name, k_all);
+    for (int step : {0, 1, 2}) w.append(make_frame(step, 5000));
+    if (*name == 'a') sleep(1);  // a creation date would differ by now
+  }
+  EXPECT_TRUE(slurp(folder / "a") == slurp(folder / "b"));
+}
+
+TEST(VtkHdf, ReadableWhileTheWriterHasItOpen) {
+  TemporaryFolder folder;
+  VtkHdfWriter w(folder / "p.vtkhdf", k_all);
+  w.append(make_frame(0, 100));
+  w.append(make_frame(1, 90));
+  EXPECT_TRUE(python("check_vtkhdf.py", folder / "p.vtkhdf" + " particles 0:100 1:90"));
+}
+
+TEST(VtkHdf, KilledWriterLeavesWholeFramesAndCanBeResumed) {
+  TemporaryFolder folder;
+  int some = 0;
+  for (int round = 0; round < 8; ++round) {
+    const std::string path = folder / ("k" + std::to_string(round) + ".vtkhdf");
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      VtkHdfWriter w(path, k_all);
+      for (int step = 0;; ++step) w.append(make_frame(step, 100 + 700 * (step % 5)));
+    }
+    usleep(static_cast<useconds_t>(60000 + 23000 * round));
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    EXPECT_TRUE(python("check_vtkhdf.py", path + " particles --whole > /dev/null")) << round;
+    auto w = VtkHdfWriter::resume(path, k_all, Content::particles, 3);
+    some += w.frames() == 4;
+    for (int step = static_cast<int>(w.frames()); step < 6; ++step) w.append(make_frame(step, 100 + 700 * (step % 5)));
+    EXPECT_TRUE(python("check_vtkhdf.py", path + " particles 0:100 1:800 2:1500 3:2200 4:2900 5:100")) << round;
+  }
+  EXPECT_GT(some, 0);  // at least one kill came after four frames
+}
+
+}  // namespace
+}  // namespace talus
