@@ -16,6 +16,7 @@ namespace talus::cli {
 
 /// Everything that may stand on the command line; every command uses the part that its help names.
 struct Options {
+  std::string program = "talus";         ///< as it was called, for the commands that messages suggest
   std::string scene;                     ///< SCENE of run, check, explain
   std::vector<std::string> files;        ///< FILE… of info, compare, report
   std::string topic, key;                ///< of help

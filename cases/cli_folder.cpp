@@ -19,7 +19,7 @@ constexpr std::string_view k_directory = "#: directory ", k_set = "#: set ";
 std::string scene_text(const Options& options, const Scene& scene) {
   std::string text = read_file_text(options.scene);
   if (!text.empty() && text.back() != '\n') text += '\n';
-  text += fmt::format("{}{}\n", k_directory, fs::absolute(scene.directory.empty() ? "." : scene.directory).string());
+  text += fmt::format("{}{}\n", k_directory, fs::absolute(scene.directory).lexically_normal().string());
   for (const std::string& set : overrides_of(options)) text += fmt::format("{}{}\n", k_set, set);
   return text;
 }

@@ -78,7 +78,8 @@ Outcome advance(const Options& options, const Scene& scene, Simulation& simulati
   return outcome;
 }
 
-void print_closing(const std::string& folder, const Summary& s, const RunOutputs& outputs, const Outcome& outcome) {
+void print_closing(const Options& options, const std::string& folder, const Summary& s, const RunOutputs& outputs,
+                   const Outcome& outcome) {
   fmt::print("\n{} at step {} (t = {:.6g} s) after {}: {} particles, {:.2f} M particle-steps/s, state hash {:016x}\n",
              outcome.signal != 0 ? "Stopped" : "Done", s.last_step, s.simulated_time, duration_text(s.wall_s),
              grouped(s.particles), s.particle_steps_per_s * 1e-6, s.state_hash);
@@ -91,10 +92,12 @@ void print_closing(const std::string& folder, const Summary& s, const RunOutputs
   line("checkpoint", outcome.checkpoint);
   if (!outputs.paraview_file().empty()) {
     line("particles", outputs.paraview_file());
-    fmt::print("Look at them:   paraview {}\n", outputs.paraview_file());
+    const bool hdf = outputs.paraview_file().ends_with(".vtkhdf");
+    fmt::print("Look at them:   paraview {}{}\n", outputs.paraview_file(),
+               hdf ? "    (ParaView 5.12 or newer; --set output.vtp=true for older ones)" : "");
   }
-  fmt::print("Report:         talus report {}    (one HTML page with plots and pictures)\n", folder);
-  if (outcome.signal != 0) fmt::print("Continue:       talus run SCENE --resume {}\n", folder);
+  fmt::print("Report:         {} report {}    (one HTML page with plots and pictures)\n", options.program, folder);
+  if (outcome.signal != 0) fmt::print("Continue:       {} run {} --resume {}\n", options.program, options.scene, folder);
 }
 }  // namespace
 
@@ -135,7 +138,7 @@ int run(const Options& options) {
   if (options.json) {
     fmt::print("{}", summary_json(summary));
   } else if (!options.quiet) {
-    print_closing(folder.dir(), summary, outputs, outcome);
+    print_closing(options, folder.dir(), summary, outputs, outcome);
   }
   return outcome.signal != 0 ? 128 + outcome.signal : 0;
 }

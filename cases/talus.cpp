@@ -3,9 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstdio>
 #include <functional>
+#include <map>
 #include <new>
 
 #include "cases/cli.hpp"
@@ -28,8 +28,11 @@ void add_scene_options(CLI::App& app, Options& o) {
 
 void add_engine_options(CLI::App& app, Options& o) {
   app.add_option("--threads", o.run.threads, "threads; 0 = all cores (default)")->check(CLI::Range(0, 4096));
-  app.add_option("--isa", o.run.isa, "instruction set: auto, scalar, sse2, avx2, avx512 (default auto, or $TALUS_ISA)")
-      ->transform(CLI::CheckedTransformer(k_isa_names, CLI::ignore_case))
+  app.add_option_function<std::string>(
+         "--isa", [&o](const std::string& name) { o.run.isa = k_isa_names.at(CLI::detail::to_lower(name)); },
+         "instruction set (default auto)")
+      ->check(CLI::IsMember(std::vector<std::string>{"auto", "scalar", "sse2", "avx2", "avx512"}, CLI::ignore_case))
+      ->type_name("")
       ->envname("TALUS_ISA");
   app.add_option("--chunk", o.run.chunk, "particles per chunk; 0 = chosen (default)")->check(CLI::Range(0, 1 << 24));
 }
@@ -65,6 +68,7 @@ int guarded(const std::function<int()>& command) {
 
 int main(int argc, char** argv) {
   Options o;
+  if (argc > 0) o.program = argv[0];
   CLI::App app{"Talus: discrete element method with a local Verlet buffer; the trajectory depends on the scene alone."};
   app.set_version_flag("--version", std::string("talus ") + TALUS_VERSION);
   app.require_subcommand(1);

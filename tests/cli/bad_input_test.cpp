@@ -12,6 +12,9 @@ struct BadScene {
   std::vector<const char*> expected;  ///< parts of the message
 };
 
+// gtest would print addresses, which change from run to run and end up in ctest's names.
+void PrintTo(const BadScene& bad, std::ostream* out) { *out << bad.name; }
+
 const std::vector<BadScene> k_bad_scenes{
     {"UnknownKey", "friction = 0.5", "frictoin = 0.5", {"bad.toml:", "frictoin", "friction"}},
     {"UnknownSection", "[contact]", "[contcat]", {"bad.toml:", "contcat", "contact"}},
@@ -64,6 +67,8 @@ struct BadRow {
   const char* rows;
   std::vector<const char*> expected;
 };
+
+void PrintTo(const BadRow& bad, std::ostream* out) { *out << bad.name; }
 
 const std::vector<BadRow> k_bad_rows{
     {"OutsideTheDomain", "0.05,0.05,0.05,0.004\n0.05,0.05,0.5,0.004\n", {"state.csv", "3"}},

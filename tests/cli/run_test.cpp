@@ -1,5 +1,7 @@
 // The life of a run as users see it: folder, summary, series; resume equal to the uninterrupted run; signals; failures.
+#include <pty.h>
 #include <signal.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -31,7 +33,7 @@ TEST_F(Cli, RunLeavesSummarySceneAndSeries) {
   EXPECT_EQ(json_value(summary, "particles"), "200");
   EXPECT_EQ(json_value(summary, "steps"), "400");
   EXPECT_EQ(json_value(summary, "state_hash").size(), 16u);
-  EXPECT_EQ(read("out/scene.toml"), read("scene.toml"));
+  EXPECT_EQ(read("out/scene.toml").rfind(read("scene.toml"), 0), 0u) << "a copy, with comments after it";
   EXPECT_NE(r.out.find("out"), std::string::npos) << "says where the results are: " << r.out;
   EXPECT_NE(r.out.find(json_value(summary, "state_hash")), std::string::npos);
   // 400 steps of 2e-5 s with a row every 1e-4 s: steps 0, 5, ..., 400, and a header.
@@ -40,7 +42,7 @@ TEST_F(Cli, RunLeavesSummarySceneAndSeries) {
 
 TEST_F(Cli, ProgressInALogIsALinePerTenPercent) {
   write("scene.toml", small_scene(20));
-  const Result r = talus({"run", "scene.toml", "--out", "out", "--set", "time.steps=20000"});
+  const Result r = talus({"run", "scene.toml", "--out", "out", "--steps", "2000"});
   ASSERT_EQ(r.exit_code, 0) << r.err;
   EXPECT_LE(lines_of(r.err), 10) << r.err;
   EXPECT_GE(lines_of(r.err), 1) << r.err;
@@ -48,6 +50,31 @@ TEST_F(Cli, ProgressInALogIsALinePerTenPercent) {
   EXPECT_EQ(r.err.find('\r'), std::string::npos) << "a bar does not belong into a log";
   const Result quiet = talus({"run", "scene.toml", "--out", "quiet", "--quiet"});
   EXPECT_EQ(quiet.err + quiet.out, "");
+}
+
+TEST_F(Cli, ProgressOnATerminalIsOneLineThatIsRewritten) {
+  write("scene.toml", small_scene(50));
+  const std::string directory = folder;
+  int terminal = -1;
+  const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    if (chdir(directory.c_str()) != 0) _exit(126);
+    execl(TALUS_BINARY, TALUS_BINARY, "run", "scene.toml", "--out", "out", nullptr);
+    _exit(127);
+  }
+  std::string shown;
+  char buffer[4096];
+  for (ssize_t n; (n = ::read(terminal, buffer, sizeof buffer)) > 0;) shown.append(buffer, static_cast<std::size_t>(n));
+  int status = 0;
+  waitpid(child, &status, 0);
+  close(terminal);
+  EXPECT_EQ(WEXITSTATUS(status), 0) << shown;
+  const std::string bar = shown.substr(0, shown.find('\n'));
+  EXPECT_NE(bar.find("\r["), std::string::npos) << shown;
+  EXPECT_NE(bar.find("100.0 %"), std::string::npos) << shown;
+  EXPECT_NE(bar.find("ETA"), std::string::npos) << shown;
+  EXPECT_NE(bar.find("particle-steps/s"), std::string::npos) << shown;
 }
 
 TEST_F(Cli, JsonSummaryOnStandardOutput) {
@@ -108,14 +135,14 @@ TEST_F(Cli, ResumeDropsWhatWasWrittenAfterTheCheckpoint) {
   // The checkpoint of step 200 stays aside while the run goes on: as if the machine had stopped between two of them.
   fs::path checkpoint;
   for (const auto& entry : fs::recursive_directory_iterator(folder / "parts")) {
-    if (entry.path().filename().string().rfind("step-", 0) == 0) checkpoint = entry.path();
+    if (entry.path().filename().string().rfind("checkpoint-", 0) == 0) checkpoint = entry.path();
   }
   ASSERT_FALSE(checkpoint.empty());
   const fs::path kept = folder / checkpoint.filename();
   fs::copy_file(checkpoint, kept);
   ASSERT_EQ(talus({"run", "scene.toml", "--resume", "parts", "--steps", "400"}).exit_code, 0);
   for (const auto& entry : fs::directory_iterator(checkpoint.parent_path())) {
-    if (entry.path().filename().string().rfind("step-", 0) == 0) fs::remove(entry.path());
+    if (entry.path().filename().string().rfind("checkpoint-", 0) == 0) fs::remove(entry.path());
   }
   fs::copy_file(kept, checkpoint);
   const Result r = talus({"run", "scene.toml", "--resume", "parts"});
@@ -124,13 +151,13 @@ TEST_F(Cli, ResumeDropsWhatWasWrittenAfterTheCheckpoint) {
   EXPECT_EQ(json_value(read("parts/summary.json"), "state_hash"), json_value(read("whole/summary.json"), "state_hash"));
 }
 
-TEST_F(Cli, ResumeWithoutCheckpointExitsWithFive) {
+TEST_F(Cli, ResumeWithoutGoodCheckpointIsRefused) {
   write("scene.toml", small_scene(20));
   fs::create_directory(folder / "empty");
-  EXPECT_EQ(talus({"run", "scene.toml", "--resume", "empty"}).exit_code, 5);
+  EXPECT_EQ(talus({"run", "scene.toml", "--resume", "empty"}).exit_code, 2) << "not the folder of a run";
   EXPECT_EQ(talus({"run", "scene.toml", "--resume", "nowhere"}).exit_code, 5);
-  write("step-000000000001.talus", "TALUSCP1 but not really");
-  EXPECT_EQ(talus({"run", "scene.toml", "--resume", "step-000000000001.talus"}).exit_code, 5);
+  write("checkpoint-1.tcp", "TALUSCP1 but not really");
+  EXPECT_EQ(talus({"run", "scene.toml", "--resume", "checkpoint-1.tcp"}).exit_code, 5);
   EXPECT_FALSE(exists("results"));
 }
 
@@ -181,7 +208,7 @@ TEST_F(Cli, PhysicalFailureExitsWithFourAndKeepsWhatWasWritten) {
   // The dumped state can be looked at.
   bool dumped = false;
   for (const auto& entry : fs::recursive_directory_iterator(folder / "out")) {
-    if (entry.path().filename().string().rfind("failed", 0) != 0) continue;
+    if (entry.path().filename() != "failed.tcp") continue;
     dumped = true;
     EXPECT_EQ(talus({"info", fs::relative(entry.path(), folder).string()}).exit_code, 0);
   }
