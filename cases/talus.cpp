@@ -30,10 +30,9 @@ void add_engine_options(CLI::App& app, Options& o) {
   app.add_option("--threads", o.run.threads, "threads; 0 = all cores (default)")->check(CLI::Range(0, 4096));
   app.add_option_function<std::string>(
          "--isa", [&o](const std::string& name) { o.run.isa = k_isa_names.at(CLI::detail::to_lower(name)); },
-         "instruction set (default auto)")
+         "instruction set (default auto: $TALUS_ISA, or the best of this processor)")
       ->check(CLI::IsMember(std::vector<std::string>{"auto", "scalar", "sse2", "avx2", "avx512"}, CLI::ignore_case))
-      ->type_name("")
-      ->envname("TALUS_ISA");
+      ->type_name("");
   app.add_option("--chunk", o.run.chunk, "particles per chunk; 0 = chosen (default)")->check(CLI::Range(0, 1 << 24));
 }
 

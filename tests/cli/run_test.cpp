@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <thread>
 
 #include "tests/cli/cli_runner.hpp"
@@ -225,6 +226,41 @@ TEST_F(Cli, CompareFindsTheFirstDifference) {
   EXPECT_NE(different.out.find("first difference: particle 0"), std::string::npos) << different.out;
   EXPECT_EQ(talus({"compare", "a", "c"}).exit_code, 0);
   EXPECT_EQ(json_value(talus({"compare", "a", "b", "--json"}).out, "equal"), "false");
+}
+
+TEST_F(Cli, ProfileAndTraceNameTheNodes) {
+  write("scene.toml", small_scene());
+  const Result r = talus({"run", "scene.toml", "--out", "out", "--profile", "--trace", "trace.json", "--steps", "300"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const std::string trace = read("trace.json"), summary = read("out/summary.json");
+  for (const char* node : {"narrow_phase", "contact_force", "integrate"}) {
+    EXPECT_NE(trace.find(node), std::string::npos) << node;
+    EXPECT_NE(summary.find(node), std::string::npos) << node;
+  }
+}
+
+TEST_F(Cli, SceneOfTheReadmeIsValid) {
+  const std::string readme = [] {
+    std::ifstream in(std::string(TALUS_SOURCE_DIR) + "/README.md");
+    return std::string{std::istreambuf_iterator<char>(in), {}};
+  }();
+  const std::size_t begin = readme.find("```toml\n");
+  ASSERT_NE(begin, std::string::npos);
+  const std::size_t end = readme.find("```", begin + 8);
+  write("readme.toml", readme.substr(begin + 8, end - begin - 8));
+  const Result r = talus({"check", "readme.toml"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(r.err, "") << "an example must not warn";
+  EXPECT_NE(r.out.find("readme.toml: valid\n"), std::string::npos) << r.out;
+}
+
+TEST_F(Cli, CheckpointEveryKeepsTheNewestTwo) {
+  write("scene.toml", small_scene(50));
+  ASSERT_EQ(talus({"run", "scene.toml", "--out", "out", "--checkpoint-every", "130"}).exit_code, 0);
+  EXPECT_FALSE(exists("out/checkpoint-130.tcp"));
+  EXPECT_FALSE(exists("out/checkpoint-260.tcp"));
+  EXPECT_TRUE(exists("out/checkpoint-390.tcp"));
+  EXPECT_TRUE(exists("out/checkpoint-400.tcp"));
 }
 
 TEST_F(Cli, CheckAndExplainWriteNothing) {
