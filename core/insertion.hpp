@@ -8,24 +8,28 @@
 #include <vector>
 
 #include "core/scene.hpp"
+#include "core/size_sampler.hpp"
 
 namespace talus {
 
 /// Particles to append, in id order. All vectors have the same length.
 struct NewParticles {
-  std::vector<Vec3> x, v, w;          ///< [m], [m/s], [rad/s]
-  std::vector<double> r;              ///< [m]
+  std::vector<Vec3> x, v, w;  ///< [m], [m/s], [rad/s]
+  std::vector<double> r;      ///< [m]
   std::vector<std::uint8_t> material;
-  std::vector<std::uint8_t> fixed;    ///< 1: frozen
-  std::vector<std::int16_t> group;    ///< index into scene.groups or -1
+  std::vector<std::uint8_t> fixed;  ///< 1: frozen
+  std::vector<std::int16_t> group;  ///< index into scene.groups or -1
   std::size_t size() const noexcept { return x.size(); }
 };
 
-/// Present particles as the engine stores them: positions as rows {x, y, z, r} of 4 doubles; dead rows have x > 1e100.
+/// Present particles as the engine stores them: rows {x, y, z, r} of 4 doubles, positions relative to the domain's
+/// lower corner; dead rows have x > 1e100.
 struct PresentParticles {
   std::span<const double> rows;
   std::size_t size() const noexcept { return rows.size() / 4; }
 };
+
+class Occupied;
 
 class Insertion {
  public:
@@ -34,7 +38,7 @@ class Insertion {
   /// Errors: Error{scene} naming file and row for a particle outside the domain, a non-finite or non-positive value, an
   /// overlap deeper than allowed (lists the first pairs), a pack that does not fit (says how many fitted).
   NewParticles initial();
-  /// First step >= n at which a batch is due, or INT64_MAX.
+  /// First step >= n at which a batch is due (step 0 included: a stream's first batch), or INT64_MAX.
   std::int64_t next_step(std::int64_t n) const;
   /// The batch of step n (may be empty where nothing fits yet); advances the state. No overlap with `present`, also
   /// across periodic faces.
@@ -55,9 +59,23 @@ class Insertion {
     std::int64_t batches = 0;  ///< batches tried
     double carry = 0;          ///< fraction of a particle (or kg) owed by a rate
   };
+  void read_file(std::size_t source);
+  void check_overlaps(const NewParticles& p, const std::vector<std::int64_t>& row, const std::vector<int>& from) const;
+  std::int64_t due_step(std::size_t source, std::int64_t n) const;
+  bool exhausted(std::size_t source) const;
+  double next_radius(std::size_t source) const;
+  double mass_of(std::size_t source, double r) const;
+  void deliver(std::size_t source, Vec3 x, double r, NewParticles& out);
+  void fill_lattice(std::size_t source, Occupied& occupied, NewParticles& out);
+  void fill_random(std::size_t source, Occupied& occupied, NewParticles& out);
+  void fill_stream(std::size_t source, Occupied& occupied, NewParticles& out);
+  void fill(std::size_t source, const NewParticles& before, const PresentParticles& present, NewParticles& out);
+
   const Scene scene_;
   std::vector<SourceState> state_;
-  std::vector<NewParticles> files_;  ///< file sources, read once
+  std::vector<SizeSampler> samplers_;            ///< one per source
+  std::vector<NewParticles> files_;              ///< one per source, filled for file sources; read once
+  std::vector<std::vector<std::int64_t>> rows_;  ///< line in the file of each particle of files_
   std::int64_t inserted_ = 0;
 };
 

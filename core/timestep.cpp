@@ -1,0 +1,196 @@
+// Limits of the time step. Nothing here feeds the trajectory; det_math is used all the same, so that a step which is
+// just accepted on one machine is not refused on another.
+#include "core/timestep.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/det_math.hpp"
+#include "core/error.hpp"
+
+namespace talus {
+namespace {
+
+constexpr double k_packing_share = 0.4;  ///< an fcc packing is stable up to 0.42 of the pair limit with k_t = 2/7 k_n
+constexpr double k_warning_share = 0.2;
+
+/// Which materials particles and walls have. A file may name any material.
+struct Roles {
+  std::vector<char> particle, wall;
+};
+
+Roles roles_of(const Scene& scene) {
+  const std::size_t n = scene.materials.size();
+  Roles roles{std::vector<char>(n), std::vector<char>(n)};
+  bool any = scene.sources.empty();
+  for (const Source& s : scene.sources) {
+    any = any || s.kind == Source::Kind::file;
+    roles.particle[static_cast<std::size_t>(s.material)] = 1;
+  }
+  if (any) roles.particle.assign(n, 1);
+  for (const WallSpec& w : scene.walls) roles.wall[static_cast<std::size_t>(w.material)] = 1;
+  for (const auto& axis : scene.domain.boundary) {
+    for (Boundary side : axis) {
+      if (side == Boundary::wall) roles.wall[static_cast<std::size_t>(scene.domain.wall_material)] = 1;
+    }
+  }
+  return roles;
+}
+
+/// Largest speed that the scene itself states: sources, walls, driven groups, and the fall through the domain's height.
+double scene_speed(const Scene& scene) {
+  double v = 0;
+  for (const Source& s : scene.sources) v = fmax2(v, std::sqrt(norm2(s.velocity)) + std::sqrt(3.0) * s.velocity_jitter);
+  for (const WallSpec& w : scene.walls) {
+    const WallMotion& m = w.motion;
+    v = fmax2(v, std::sqrt(norm2(m.velocity)) + 2 * det::k_pi * m.frequency * std::sqrt(norm2(m.amplitude)));
+  }
+  double fall = 0;
+  const auto gravity = [&](Vec3 g) {
+    for (int k = 0; k < 3; ++k) fall = fmax2(fall, std::fabs(g[k]) * (scene.domain.upper[k] - scene.domain.lower[k]));
+  };
+  gravity(scene.gravity);
+  for (const Event& e : scene.events) {
+    if (e.action == Event::Action::gravity)
+      gravity(e.vector);
+    else
+      v = fmax2(v, std::sqrt(norm2(e.vector)));
+  }
+  return fmax2(v, std::sqrt(fall));
+}
+
+/// Two particles, or a particle and a wall (r_b = infinity: infinite mass, flat).
+struct Contact {
+  std::size_t a, b;
+  double r_a, r_b;
+};
+
+std::string describe(const Scene& scene, const Contact& c) {
+  const std::string first = fmt::format("{} (r = {:g})", scene.materials[c.a].name, c.r_a);
+  if (c.r_b == k_never) return first + " on wall " + scene.materials[c.b].name;
+  return fmt::format("{} - {} (r = {:g})", first, scene.materials[c.b].name, c.r_b);
+}
+
+double mass(double density, double r) { return density * (4.0 / 3.0 * det::k_pi) * (r * r * r); }
+
+/// Limits of one contact: duration, 2 / sqrt(k / m_eff), and the share of the latter that a packing tolerates.
+struct Limits {
+  double contact, pair, packing_share;
+};
+
+/// What the packing limit loses. Tangential springs: the stiffest mode of an fcc packing has omega^2 = (7.9 + 12.5
+/// k_t/k_n) k/m, from the measured limits 0.71 and 0.59 sqrt(m/k) without and with k_t = 2/7 k_n. Damping: an explicit
+/// dashpot of damping ratio z lowers the limit by sqrt(1 + z^2) - z; the ratio of that mode is sqrt(omega^2 /
+/// omega_pair^2) = 2.4 times the pair's.
+double packing_share(double stiffness_ratio, double damping_ratio) {
+  const double stiff =
+      stiffness_ratio > 2.0 / 7.0 ? std::sqrt((7.9 + 12.5 * 2.0 / 7.0) / (7.9 + 12.5 * stiffness_ratio)) : 1;
+  const double z = 2.4 * damping_ratio;
+  return k_packing_share * stiff * (std::sqrt(1 + z * z) - z);
+}
+
+Limits limits_of(const Scene& scene, const Contact& c, double velocity) {
+  const bool wall = c.r_b == k_never;
+  const Material &a = scene.materials[c.a], &b = scene.materials[c.b];
+  const PairCoefficients& k = scene.pair(static_cast<int>(c.a), static_cast<int>(c.b));
+  const double m_a = mass(a.density, c.r_a);
+  const double m = wall ? m_a : m_a / (m_a + mass(b.density, c.r_b)) * mass(b.density, c.r_b);
+  const double pi = det::k_pi;
+  const double log_e = k.restitution > 0 ? det::log(k.restitution) : 0;
+  const double ratio_of_e = -log_e / std::sqrt(pi * pi + log_e * log_e);  // damping ratio of a linear pair
+  if (scene.contact.model == ContactModel::linear) {
+    const double stiffness = scene.contact.normal_stiffness;
+    const double omega = std::sqrt(stiffness / m);
+    const double z = scene.contact.by_restitution ? ratio_of_e : 0.5 * scene.contact.normal_damping / omega;
+    // t_c = pi / sqrt(k/m - (g/2)^2); an overdamped contact never rebounds, its undamped time is the scale
+    const double contact = pi / (omega * (z < 1 ? std::sqrt(1 - z * z) : 1));
+    const double kt = scene.contact.friction ? scene.contact.tangential_stiffness / stiffness : 0;
+    return {contact, 2 / omega, packing_share(kt, z)};
+  }
+  const double e_star = 1 / ((1 - a.poisson * a.poisson) / a.young + (1 - b.poisson * b.poisson) / b.young);
+  const double g_star =
+      1 / ((2 - a.poisson) * 2 * (1 + a.poisson) / a.young + (2 - b.poisson) * 2 * (1 + b.poisson) / b.young);
+  const double r = wall ? c.r_a : c.r_a * c.r_b / (c.r_a + c.r_b);
+  // A scene at rest without gravity states no speed: take the one that strains a contact by about 1e-4.
+  const double v = velocity > 0 ? velocity : 1e-5 * std::sqrt(e_star / a.density);
+  // delta_max = (15 m v^2 / (16 E* sqrt(R)))^(2/5), t_c = 2.9433 delta_max / v; tangent stiffness 2 E* sqrt(R
+  // delta_max)
+  const double delta = det::pow(15 * m * (v * v) / (16 * e_star * std::sqrt(r)), 0.4);
+  const double omega = std::sqrt(2 * e_star * std::sqrt(r * delta) / m);
+  // alpha sqrt(m k) delta^(1/4) with k = 4/3 E* sqrt(R): ratio alpha / sqrt(6) of the tangent stiffness 3/2 k
+  // sqrt(delta)
+  const double z = std::sqrt(5.0 / 6.0) * ratio_of_e;
+  return {2.9433 * delta / v, 2 / omega, packing_share(scene.contact.friction ? 4 * g_star / e_star : 0, z)};
+}
+
+double rayleigh(const Material& m, double r) {
+  if (!(m.young > 0)) return k_never;
+  const double shear = m.young / (2 * (1 + m.poisson));
+  return det::k_pi * r * std::sqrt(m.density / shear) / (0.1631 * m.poisson + 0.8766);
+}
+
+void keep_smaller(TimeStepLimit& limit, double seconds, const Scene& scene, const Contact& c) {
+  if (seconds < limit.seconds) limit = {seconds, describe(scene, c)};
+}
+
+std::string line(const char* name, double dt, const TimeStepLimit& limit) {
+  if (limit.seconds == k_never) return fmt::format("{:<20} none", name);
+  return fmt::format("{:<20} {:.4g} s, step is {:.3g} of it; {}", name, limit.seconds, dt / limit.seconds, limit.pair);
+}
+
+}  // namespace
+
+TimeStepReport time_step_limits(const Scene& scene, double r_min, double r_max, double speed) {
+  TimeStepReport report;
+  report.dt = scene.dt;
+  if (!(scene.dt > 0) || !std::isfinite(scene.dt))
+    throw Error(ErrorCode::scene, fmt::format("time.step: {}: must be a number > 0 [s]", scene.dt), scene.file);
+  if (!(r_min > 0)) return report;  // no particle can ever appear
+  if (scene.contact.model != ContactModel::linear) report.velocity = fmax2(speed, scene_speed(scene));
+  const Roles roles = roles_of(scene);
+  const std::size_t n = scene.materials.size();
+  for (std::size_t a = 0; a < n; ++a) {
+    if (!roles.particle[a]) continue;
+    const auto consider = [&](const Contact& c) {
+      const Limits l = limits_of(scene, c, report.velocity);
+      keep_smaller(report.contact, l.contact, scene, c);
+      keep_smaller(report.isolated_pair, l.pair, scene, c);
+      keep_smaller(report.packing, l.packing_share * l.pair, scene, c);
+    };
+    for (double r_a : {r_min, r_max}) {
+      if (const double t = rayleigh(scene.materials[a], r_a); t < report.rayleigh.seconds)
+        report.rayleigh = {t, fmt::format("{} (r = {:g})", scene.materials[a].name, r_a)};
+      for (std::size_t b = 0; b < n; ++b) {
+        if (roles.particle[b] && b >= a) {
+          for (double r_b : {r_min, r_max}) consider({a, b, r_a, r_b});
+        }
+        if (roles.wall[b]) consider({a, b, r_a, k_never});
+      }
+    }
+  }
+  const double shortest = fmin2(report.rayleigh.seconds, report.contact.seconds);
+  report.share = scene.dt / shortest;
+  report.lines = {line("Rayleigh time", scene.dt, report.rayleigh), line("contact time", scene.dt, report.contact),
+                  line("isolated pair limit", scene.dt, report.isolated_pair),
+                  line("packing limit", scene.dt, report.packing)};
+  if (report.velocity > 0) report.lines.push_back(fmt::format("{:<20} {:.4g} m/s", "judged at speed", report.velocity));
+
+  if (scene.dt > report.packing.seconds) {
+    const std::string what = fmt::format("time.step: {:g}: above the packing limit {:.4g} s of {}", scene.dt,
+                                         report.packing.seconds, report.packing.pair);
+    if (!scene.allow_unstable_step)
+      throw Error(
+          ErrorCode::scene, what, scene.file,
+          fmt::format("at most {:.4g} s is allowed, or set checks.allow_unstable_step", report.packing.seconds));
+    report.warning = what;
+  } else if (report.share > k_warning_share) {
+    const bool by_rayleigh = report.rayleigh.seconds < report.contact.seconds;
+    report.warning = fmt::format("time.step: {:g}: {:.0f} % of the {} time {:.4g} s of {}; 20 % or less is advised",
+                                 scene.dt, 100 * report.share, by_rayleigh ? "Rayleigh" : "contact", shortest,
+                                 (by_rayleigh ? report.rayleigh : report.contact).pair);
+  }
+  return report;
+}
+
+}  // namespace talus
