@@ -86,8 +86,8 @@ struct IntegrateArgs {
   const double* x0;                   ///< list reference rows {x, y, z, skin^2}
   double dt, kick;                    ///< kick = dt, or dt/2 in the first step of velocity Verlet
   double gravity[3];
-  double upper[4], wrap[4];           ///< domain size per axis (lane 3: 1e300) and period (0 where not periodic)
-  double half[4];                     ///< half period or 1e300
+  alignas(32) double upper[4], wrap[4]; ///< domain size per axis (lane 3: 1e300) and period (0 where not periodic)
+  alignas(32) double half[4];                     ///< half period or 1e300
   double viscous, local;              ///< background damping coefficients
   double unstable;                    ///< bound on (row sum of stiffness / mass)
   // results

@@ -186,10 +186,10 @@ void Simulation::run(std::int64_t steps) {
   const std::int64_t target = w.step + steps;
   if (w.has.energies && !w.start_energy_known && w.counters.steps == 0 && w.step == 0) {
     run_graph(w, 1);
-    w.start_energy_known = true;
     const Energies e = energies_of(w);
-    w.start_energy = e.residual + e.kinetic_translation + e.kinetic_rotation + e.potential + e.elastic + e.dissipated_damping +
+    w.start_energy = e.kinetic_translation + e.kinetic_rotation + e.potential + e.elastic + e.dissipated_damping +
                      e.dissipated_friction + e.dissipated_background - e.wall_work - e.inserted;
+    w.start_energy_known = true;
   }
   if (w.step < target) run_graph(w, target);
 }

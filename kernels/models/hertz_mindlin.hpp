@@ -40,9 +40,8 @@ void force(HertzMindlin, Block& b, const LawArgs& a) {
     if (a.centred != 0) fn = fn / (one + hdt * (cn * ms));
     B f[3] = {fn * n[0], fn * n[1], fn * n[2]};
     if constexpr (Energy) {
-      const B vc = a.centred != 0 ? vn + hdt * (fn * ms) : vn;
       S::store(b.e[0] + k, two_fifths * (sn * (delta * delta)));
-      S::store(b.e[1] + k, dt * (cn * (vc * vc)));
+      S::store(b.e[1] + k, dt * (cn * (vn * vn)));
       S::store(b.e[2] + k, zero);
     }
     if constexpr (Friction) {
@@ -53,12 +52,12 @@ void force(HertzMindlin, Block& b, const LawArgs& a) {
       const B last = S::load(b.h[3] + k), st = c.kt * radius, ct = c.gt * S::sqrt(st / ms);
       B h[3] = {S::load(b.h[0] + k), S::load(b.h[1] + k), S::load(b.h[2] + k)};
       const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
-      const B o2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
+      const B before = S::select(S::gt(last, zero), ((h[0] * h[0] + h[1] * h[1]) + h[2] * h[2]) / last, zero);
       const B rescale = S::select(S::lt(radius, last), radius / last, one);
       const B shrink = a.centred != 0 ? one / (one + hdt_t * (ct * ms)) : one;
-      B g[3];
+      B g[3], trial[3];
       for (int q = 0; q < 3; ++q) {
-        h[q] = (h[q] - hn * n[q]) * rescale - st * (t[q] * dt);
+        h[q] = trial[q] = (h[q] - hn * n[q]) * rescale - st * (t[q] * dt);
         g[q] = (h[q] - ct * t[q]) * shrink;
       }
       const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
@@ -78,15 +77,15 @@ void force(HertzMindlin, Block& b, const LawArgs& a) {
       }
       S::store(b.h[3] + k, radius);
       if constexpr (Energy) {
-        // Elastic energy of the tangential spring F^2 / (2 S_t); what unloading takes from it counts as friction.
-        const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2], now = half * (h2 / st);
-        const B old = S::select(S::gt(last, zero), half * (o2 / (c.kt * S::select(S::gt(last, zero), last, one))), zero);
-        const B gv = (g[0] * t[0] + g[1] * t[1]) + g[2] * t[2], t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
-        const B viscous = dt * (ct * t2), lost = zero - dt * gv - (now - old);
-        const B damped = S::select(S::gt(viscous, lost), lost, viscous);
-        S::store(b.e[0] + k, S::load(b.e[0] + k) + now);
-        S::store(b.e[1] + k, S::load(b.e[1] + k) + damped);
-        S::store(b.e[2] + k, lost - damped);
+        // Elastic energy of the tangential spring F^2 / (2 S_t). Sliding loses F (trial - F) / S_t; rescaling on unloading
+        // releases energy that the law does not give back (F^2/S_t falls by a/a_prev): it counts as friction.
+        const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2], t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
+        const B slip = (h[0] * (trial[0] - h[0]) + h[1] * (trial[1] - h[1])) + h[2] * (trial[2] - h[2]);
+        const B unloading = S::lt(radius, last);
+        const B released = S::select(unloading, half * (before * (one - rescale)) / c.kt, zero);
+        S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (h2 / st));
+        S::store(b.e[1] + k, S::load(b.e[1] + k) + dt * (ct * t2));
+        S::store(b.e[2] + k, slip / st + released);
       }
       S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));
       S::store(b.r[5] + k, lever * (n[0] * g[2] - n[2] * g[0]));

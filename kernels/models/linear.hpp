@@ -105,10 +105,14 @@ void force(Linear, Block& b, const LawArgs& a) {
     }
     B f[3] = {fn * n[0], fn * n[1], fn * n[2]};
     if constexpr (Energy) {
-      // Velocity at n from this contact alone; the loss of the step is the dashpot's power at n.
-      const B vc = a.centred != 0 ? vn + hdt * (fn * ms) : vn;
+      // Loss over [n-1, n] by the midpoint rule: v(n-1/2) is the mid-step velocity. The first interval counts from the
+      // instant of touch, the last one to the instant of parting.
+      B part = one;
+      const B step = S::abs(vn) * dt;
+      const auto brief = S::lt(delta, step);
+      if (S::any(brief)) part = S::select(brief, S::select(S::lt(vn, zero), delta / step, one + delta / step), one);
       S::store(b.e[0] + k, half * (c.kn * (delta * delta)));
-      S::store(b.e[1] + k, dt * ((gn_eff * meff) * (vc * vc)));
+      S::store(b.e[1] + k, (dt * part) * ((gn * meff) * (vn * vn)));
       S::store(b.e[2] + k, zero);
     }
     if constexpr (Friction) {
@@ -118,11 +122,10 @@ void force(Linear, Block& b, const LawArgs& a) {
       tangential_velocity<S>(v, s, x, n, vn, a.dt, a.synchronised, t);
       B h[3] = {S::load(b.h[0] + k), S::load(b.h[1] + k), S::load(b.h[2] + k)};
       const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
-      const B o2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
       const B gm = gt * meff, shrink = a.centred != 0 ? one / (one + hdt_t * gt) : one;
-      B g[3];
+      B g[3], trial[3];
       for (int q = 0; q < 3; ++q) {
-        h[q] = (h[q] - hn * n[q]) + t[q] * dt;
+        h[q] = trial[q] = (h[q] - hn * n[q]) + t[q] * dt;
         g[q] = zero - (c.kt * h[q] + gm * t[q]) * shrink;
       }
       const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
@@ -143,15 +146,12 @@ void force(Linear, Block& b, const LawArgs& a) {
       }
       if constexpr (Energy) {
         const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
-        const B gv = (g[0] * t[0] + g[1] * t[1]) + g[2] * t[2], t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
-        const B viscous = dt * (gm * t2), stored = half * (c.kt * (h2 - o2));
+        const B t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
+        // the slider moves by what the trial spring exceeds the final one, against the final spring force
+        const B slip = (h[0] * (trial[0] - h[0]) + h[1] * (trial[1] - h[1])) + h[2] * (trial[2] - h[2]);
         S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (c.kt * h2));
-        // Whatever the tangential force takes out and neither spring nor dashpot accounts for was rubbed away.
-        const B lost = zero - dt * gv - stored;
-        const auto sticking = S::gt(viscous, lost);
-        const B damped = S::select(sticking, lost, viscous);
-        S::store(b.e[1] + k, S::load(b.e[1] + k) + damped);
-        S::store(b.e[2] + k, lost - damped);
+        S::store(b.e[1] + k, S::load(b.e[1] + k) + dt * (gm * t2));
+        S::store(b.e[2] + k, c.kt * slip);
       }
       // T / r = -lever n x F_t, the same for both partners.
       S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));
