@@ -1,0 +1,96 @@
+// perf/report.py on folders written by the real writers: whole, partly missing, damaged.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "core/io/run_folder.hpp"
+#include "core/io/series.hpp"
+#include "core/io/summary.hpp"
+#include "core/io/vtkhdf.hpp"
+#include "tests/io/output_frames.hpp"
+
+namespace talus {
+namespace {
+
+using test::python;
+using test::TemporaryFolder;
+
+bool report(const std::string& dir, const std::string& more = "") {
+  return std::system(
+             ("/usr/bin/python3 " TALUS_SOURCE_DIR "/perf/report.py " + dir + " > /dev/null " + more).c_str()) == 0;
+}
+
+RunFolder example(const std::string& dir) {
+  auto f = RunFolder::create(dir, "title = \"<b>grains</b> & more\"\n");
+  VtkHdfWriter p(f.particles(), {}), w(f.walls(), {}, VtkHdfWriter::Content::walls);
+  SeriesLayout layout;
+  layout.walls = {"floor"};
+  layout.planes = {"outlet"};
+  SeriesWriter csv(f.series(), layout);
+  for (int k = 0; k < 5; ++k) {
+    const Frame frame = test::make_frame(10 * k, k == 0 ? 0 : 40 - k, 4);
+    p.append(frame);
+    w.append(frame);
+    SeriesRow row;
+    row.step = frame.step;
+    row.time = frame.time;
+    row.particles = 40 - k;
+    row.removed = k;
+    row.removed_mass = 0.1 * k;
+    row.walls = {{{0, 0, -1.0 * k}, {}}};
+    row.planes = {{k, 0.1 * k}};
+    csv.append(row);
+  }
+  Summary s;
+  s.title = "Heap of <b>grains</b>";
+  s.particles = 36;
+  s.steps = 40;
+  s.nodes = {{"contact_force", 40, 1.5}, {"integrate", 40, 0.5}};
+  s.rebuild_steps = {0, 4, 9, 15, 30};
+  write_summary(f.summary(), s);
+  return f;
+}
+
+TEST(Report, IsOneSelfContainedPage) {
+  TemporaryFolder t;
+  const auto f = example(t / "out");
+  ASSERT_TRUE(report(f.dir()));
+  EXPECT_TRUE(python("check_report.py", f.report() + " 3 'Heap of <b>grains</b>' '<b>grains</b> & more' 'Mass flow' "
+                                                     "'Time series' 'List rebuilds' 'Where the time went' "
+                                                     "'Last frame: t = 5 s, step 40, 36 particles'"));
+  EXPECT_FALSE(python("check_report.py", f.report() + " 2 2>/dev/null"));
+  const std::string first = test::slurp(f.report());
+  ASSERT_TRUE(report(f.dir()));
+  EXPECT_TRUE(test::slurp(f.report()).size() == first.size());
+}
+
+TEST(Report, WorksWhenAnyFileIsMissing) {
+  TemporaryFolder t;
+  for (const char* name : {"summary.json", "scene.toml", "series.csv", "particles.vtkhdf", "walls.vtkhdf"}) {
+    const auto f = example(t / (std::string("without-") + name));
+    std::filesystem::remove(f.path(name));
+    EXPECT_TRUE(report(f.dir())) << name;
+    const bool frames = std::string(name) != "particles.vtkhdf", walls = std::string(name) == "walls.vtkhdf";
+    EXPECT_TRUE(python("check_report.py",
+                       f.report() + (frames ? " 3" : " 0") + (walls ? "" : " '" + std::string(name) + " is missing'")))
+        << name;
+  }
+  std::filesystem::create_directory(t / "empty");
+  EXPECT_TRUE(report(t / "empty"));
+}
+
+TEST(Report, DamagedFilesAreNamed) {
+  TemporaryFolder t;
+  const auto f = example(t / "out");
+  for (const std::string& path : {f.summary(), f.series(), f.particles(), f.walls()}) test::spill(path, "damaged\n");
+  EXPECT_TRUE(report(f.dir()));
+  EXPECT_TRUE(python("check_report.py", f.report() +
+                                            " 0 'summary.json cannot be read' 'series.csv cannot be read' "
+                                            "'particles.vtkhdf cannot be read' 'walls.vtkhdf cannot be read'"));
+}
+
+TEST(Report, NoFolderIsAnError) { EXPECT_FALSE(report("/nonexistent/run", "2>&1")); }
+
+}  // namespace
+}  // namespace talus
