@@ -43,7 +43,7 @@ double physical_memory() {
 
 int check(const Options& options) {
   const Scene scene = scene_of(options);
-  const TimeStep step = judge_time_step(scene);
+  const TimeStepReport step = judge_time_step(scene);
   const Simulation simulation(scene, options.run);
   const Plan plan = simulation.plan();
   const std::int64_t present = simulation.particles();

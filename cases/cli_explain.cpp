@@ -40,7 +40,7 @@ void print_arrays(const Plan& plan) {
   fmt::print("  {:<{}}       {:>12.1f}  total\n", "", name, plan.bytes_per_particle);
 }
 
-std::string as_json(const Scene& scene, const Plan& plan, const Simulation& simulation, const TimeStep& step) {
+std::string as_json(const Scene& scene, const Plan& plan, const Simulation& simulation, const TimeStepReport& step) {
   Json j;
   j.begin_object();
   j.add("scene", scene.file).add("title", scene.title).add("particles", simulation.particles());
@@ -66,7 +66,7 @@ std::string as_json(const Scene& scene, const Plan& plan, const Simulation& simu
 
 int explain(const Options& options) {
   const Scene scene = scene_of(options);
-  const TimeStep step = judge_time_step(scene);
+  const TimeStepReport step = judge_time_step(scene);
   const Simulation simulation(scene, options.run);
   const Plan plan = simulation.plan();
   if (options.json) {

@@ -103,7 +103,7 @@ void print_closing(const Options& options, const std::string& folder, const Summ
 
 int run(const Options& options) {
   const Scene scene = scene_of(options);
-  const TimeStep time_step = judge_time_step(scene);
+  const TimeStepReport time_step = judge_time_step(scene);
   const Start start = find_start(options, scene);
   if (!time_step.warning.empty()) fmt::print(stderr, "talus: warning: {}\n", time_step.warning);
 
