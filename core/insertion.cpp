@@ -80,6 +80,7 @@ class Occupied {
     });
   }
   const OverlapGrid& grid() const { return grid_; }
+  void reserve(std::size_t n) { grid_.reserve(n); }
 
  private:
   const Domain& domain_;
@@ -164,16 +165,30 @@ void Insertion::check_overlaps(const NewParticles& p, const std::vector<std::int
   double largest = 0;
   for (double r : p.r) largest = fmax2(largest, r);
   Occupied occupied(scene_.domain, scene_.domain.lower, scene_.domain.upper, largest);
+  occupied.reserve(p.size() + p.size() / 8);
+  // Files come in any order; walking through space in rows of cells keeps the neighbours in the cache.
+  std::vector<std::pair<std::uint64_t, std::int32_t>> order(p.size());
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    std::uint64_t key = 0;
+    for (int k = 2; k >= 0; --k) {
+      const double c = fmin2((p.x[i][k] - scene_.domain.lower[k]) / (2 * largest), 2097151);
+      key = key << 21 | static_cast<std::uint64_t>(det::floor_int(c));
+    }
+    order[i] = {key, static_cast<std::int32_t>(i)};
+  }
+  std::sort(order.begin(), order.end());
   constexpr std::size_t enough = 1000;
-  for (std::size_t i = 0; i < p.size() && pairs.size() < enough; ++i) {
+  for (std::size_t n = 0; n < p.size() && pairs.size() < enough; ++n) {
+    const std::int32_t index = order[n].second;
+    const auto i = static_cast<std::size_t>(index);
     occupied.grid().any(p.x[i], p.r[i], [&](const OverlapGrid::Sphere& s, double d2) {
       const double sum = p.r[i] + s.r;
       if (d2 >= sum * sum) return false;
       const double depth = sum - std::sqrt(d2), share = depth / fmin2(p.r[i], s.r);
-      if (share > allowed) pairs.push_back({s.index, static_cast<std::int32_t>(i), depth, share});
+      if (share > allowed) pairs.push_back({std::min(s.index, index), std::max(s.index, index), depth, share});
       return pairs.size() >= enough;
     });
-    occupied.add(p.x[i], p.r[i], static_cast<std::int32_t>(i));
+    occupied.add(p.x[i], p.r[i], index);
   }
   if (pairs.empty()) return;
   const auto key = [](const Pair& q) { return std::pair(q.a, q.b); };

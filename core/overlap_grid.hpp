@@ -26,11 +26,18 @@ class OverlapGrid {
   /// `largest` [m]: radius of the largest sphere to come (larger ones are found too, only slower).
   explicit OverlapGrid(double largest) : edge_(2 * largest), heads_(1 << 12, -1) {}
 
+  /// Room for n spheres in all, so that growing does not link them again and again.
+  void reserve(std::size_t n) {
+    spheres_.reserve(n);
+    std::size_t size = heads_.size();
+    while (size < n) size *= 2;
+    if (size > heads_.size()) relink(size);
+  }
+
   void add(Vec3 x, double r, std::int32_t index) {
     spheres_.push_back({x, r, -1, index});
     if (spheres_.size() > heads_.size()) {
-      heads_.assign(2 * heads_.size(), -1);
-      for (std::size_t k = 0; k < spheres_.size(); ++k) link(k);
+      relink(2 * heads_.size());
     } else {
       link(spheres_.size() - 1);
     }
@@ -75,6 +82,10 @@ class OverlapGrid {
   /// Neighbours along x share cache lines.
   std::size_t slot(std::uint64_t row, std::int64_t x) const noexcept {
     return (row + static_cast<std::uint64_t>(x)) & (heads_.size() - 1);
+  }
+  void relink(std::size_t size) {
+    heads_.assign(size, -1);
+    for (std::size_t k = 0; k < spheres_.size(); ++k) link(k);
   }
   void link(std::size_t k) {
     Sphere& s = spheres_[k];
