@@ -1,6 +1,8 @@
 // Closest points of wall elements. Who calls it: core/walls.cpp, core/facet_grid.cpp. Invariants: see the header.
 #include "core/wall_elements.hpp"
 
+#include <limits>
+
 namespace talus {
 
 Vec3 unit(Vec3 a) noexcept {
@@ -88,38 +90,42 @@ ElementHit closest(const FrustumElement& f, Vec3 c) noexcept {
 }
 
 ElementHit closest(const TriangleElement& t, Vec3 c) noexcept {
-  const double h = plane_distance(t, c);
-  const Vec3 facing = h < 0 ? -t.normal : t.normal;
-  bool inside = true;
-  double sign = 0;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 a = t.v[k], e = t.v[k == 2 ? 0 : k + 1] - a;
-    const double s = dot(cross(e, t.normal), c - a);
-    // All three on one side: inside, whatever the winding of this facet against the shared plane's normal.
-    if (s > 0) inside = inside && sign >= 0, sign = 1;
-    if (s < 0) inside = inside && sign <= 0, sign = -1;
-  }
-  if (inside && sign != 0) return {facing, h < 0 ? -h : h, Feature::face};
+  ElementHit hit;
+  closest_within(t, c, std::numeric_limits<double>::infinity(), hit);
+  return hit;
+}
 
-  ElementHit hit{facing, 0, Feature::vertex};
+bool closest_within(const TriangleElement& t, Vec3 c, double limit, ElementHit& hit) noexcept {
+  const double h = plane_distance(t, c);
+  const double room = limit * limit - h * h;  // of the squared distance within the plane
+  if (!(room > 0)) return false;
+  const Vec3 facing = h < 0 ? -t.normal : t.normal;
+  hit = {facing, h < 0 ? -h : h, Feature::face};
   double best = -1;
   Vec3 to_centre;
+  // The closest point of a convex polygon lies on an edge that has the centre on its outer side.
   for (int k = 0; k < 3; ++k) {
-    const Vec3 a = t.v[k], e = t.v[k == 2 ? 0 : k + 1] - a;
-    const double u = dot(c - a, e) / norm2(e);
-    const Vec3 q = u <= 0 ? c - a : (u >= 1 ? c - t.v[k == 2 ? 0 : k + 1] : (c - a) - u * e);
+    const Vec3 a = t.v[k], b = t.v[k == 2 ? 0 : k + 1], e = b - a, d = c - a;
+    const Vec3 outward = cross(e, t.normal);
+    const double s = dot(outward, d), length2 = norm2(outward);
+    if (!(s > 0)) continue;
+    if (s * s >= room * length2) return false;
+    const double u = dot(d, e), e2 = norm2(e);
+    const bool inner = u > 0 && u < e2;
+    const Vec3 q = inner ? d - (u / e2) * e : (u > 0 ? c - b : d);
     const double d2 = norm2(q);
-    const Feature feature = u <= 0 || u >= 1 ? Feature::vertex : Feature::edge;
+    const Feature feature = inner ? Feature::edge : Feature::vertex;
     if (best < 0 || d2 < best || (d2 == best && feature < hit.feature)) {
       best = d2;
       to_centre = q;
       hit.feature = feature;
     }
   }
+  if (best < 0) return true;
   hit.distance = std::sqrt(best);
   if (hit.distance > 0)
     hit.normal = {to_centre.x / hit.distance, to_centre.y / hit.distance, to_centre.z / hit.distance};
-  return hit;
+  return true;
 }
 
 }  // namespace talus

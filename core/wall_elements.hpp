@@ -35,7 +35,8 @@ struct FrustumElement {
   double normal_rho = 1, normal_z = 0;                  ///< unit normal of the segment; outwards for a cylinder
 };
 
-/// `point` and `normal` describe the plane that the facet shares with its coplanar neighbours.
+/// `point` and `normal` describe the plane that the facet shares with its coplanar neighbours; the vertices run
+/// counter-clockwise about that normal.
 struct TriangleElement {
   std::array<Vec3, 3> v;  ///< [m]
   Vec3 point, normal;     ///< [m], unit
@@ -55,6 +56,9 @@ TriangleElement make_triangle(Vec3 a, Vec3 b, Vec3 c) noexcept;
 ElementHit closest(const PlaneElement& plane, Vec3 c) noexcept;
 ElementHit closest(const FrustumElement& frustum, Vec3 c) noexcept;
 ElementHit closest(const TriangleElement& triangle, Vec3 c) noexcept;
+/// The same hit, or false (hit unspecified) where it is plain that the distance is not below `limit` [m]; a true answer
+/// may still exceed the limit. Most candidates of a skin do not touch: they leave before any division.
+bool closest_within(const TriangleElement& triangle, Vec3 c, double limit, ElementHit& hit) noexcept;
 
 /// Signed distance of c to the facet's plane [m]; up to the coplanarity tolerance a lower bound of |closest distance|.
 inline double plane_distance(const TriangleElement& t, Vec3 c) noexcept { return dot(c - t.point, t.normal); }

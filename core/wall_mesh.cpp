@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace talus {
 
@@ -59,6 +60,7 @@ std::vector<TriangleElement> make_facets(const Mesh& mesh) {
         if (!coplanar) continue;
         assigned[links[l].second] = 1;
         t.point = out[seed].point;
+        if (dot(t.normal, out[seed].normal) < 0) std::swap(t.v[1], t.v[2]);
         t.normal = out[seed].normal;
         patch.push_back(links[l].second);
       }

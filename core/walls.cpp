@@ -332,10 +332,10 @@ void WallSet::candidates(Vec3 c, double reach, std::vector<std::int32_t>& out) c
       if (closest(*frustum, b).distance <= within) out.push_back(w.first);
     } else {
       const auto& m = std::get<FacetMesh>(w.shape);
+      const double padded = within * (1 + k_candidate_inflation);
       auto test = [&](std::int32_t f) {
-        const double h = plane_distance(m.facets[f], b);
-        if (h > within || -h > within) return;
-        if (closest(m.facets[f], b).distance <= within) out.push_back(w.first + f);
+        ElementHit hit;
+        if (closest_within(m.facets[f], b, padded, hit) && hit.distance <= within) out.push_back(w.first + f);
       };
       if (within <= m.grid.reach() * (1 + 0.5e-6)) {
         for (const std::int32_t f : m.grid.near(b)) test(f);
@@ -361,10 +361,7 @@ void collect_hits(const std::vector<Wall>& walls, Vec3 c, double radius, std::sp
     if (!placed) b = to_body(w.pose, c), placed = true;
     ElementHit hit;
     if (const auto* m = std::get_if<FacetMesh>(&w.shape)) {
-      const TriangleElement& t = m->facets[e - w.first];
-      const double h = plane_distance(t, b), limit = radius + w.slack;
-      if (h >= limit || -h >= limit) continue;
-      hit = closest(t, b);
+      if (!closest_within(m->facets[e - w.first], b, radius + w.slack, hit)) continue;
     } else if (const auto* plane = std::get_if<PlaneElement>(&w.shape)) {
       hit = closest(*plane, b);
     } else {

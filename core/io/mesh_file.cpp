@@ -62,8 +62,10 @@ void keep_promised_importers(Assimp::Importer& importer) {
   for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
     const aiImporterDesc* about = importer.GetImporterInfo(i);
     const std::string extensions = about != nullptr && about->mFileExtensions != nullptr ? about->mFileExtensions : "";
-    if (extensions != "stl" && extensions != "obj" && extensions != "ply")
-      importer.UnregisterLoader(importer.GetImporter(i));
+    if (extensions == "stl" || extensions == "obj" || extensions == "ply") continue;
+    Assimp::BaseImporter* other = importer.GetImporter(i);
+    importer.UnregisterLoader(other);
+    delete other;  // unregistering hands over its ownership
   }
 }
 
