@@ -1,6 +1,6 @@
-// Command line of Talus: the options as parsed and one function per command. cases/talus.cpp parses and dispatches; each
-// cli_*.cpp is one command and returns the exit code (DESIGN 6: 0 ok, 2 usage, 3 scene, 4 physics, 5 I/O, 130/143 signal).
-// Invariant: commands throw talus::Error, only talus.cpp turns errors into messages and exit codes.
+// Command line of Talus: the options as parsed and one function per command. cases/talus.cpp parses and dispatches;
+// each cli_*.cpp is one command and returns the exit code (DESIGN 6: 0 ok, 2 usage, 3 scene, 4 physics, 5 I/O, 130/143
+// signal). Invariant: commands throw talus::Error, only talus.cpp turns errors into messages and exit codes.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,18 @@ namespace talus::cli {
 
 /// Everything that may stand on the command line; every command uses the part that its help names.
 struct Options {
-  std::string program = "talus";         ///< as it was called, for the commands that messages suggest
-  std::string scene;                     ///< SCENE of run, check, explain
-  std::vector<std::string> files;        ///< FILE… of info, compare, report
-  std::string topic, key;                ///< of help
-  std::vector<std::string> set;          ///< section.key=value
-  std::string out;                       ///< run folder; empty: results/<scene name>
-  std::string resume;                    ///< checkpoint file or run folder
-  std::string trace;                     ///< Chrome trace file
+  std::string program = "talus";   ///< as it was called, for the commands that messages suggest
+  std::string scene;               ///< SCENE of run, check, explain
+  std::vector<std::string> files;  ///< FILE… of info, compare, report
+  std::string topic, key;          ///< of help
+  std::vector<std::string> set;    ///< section.key=value
+  std::string out;                 ///< run folder; empty: results/<scene name>
+  std::string resume;              ///< checkpoint file or run folder
+  std::string trace;               ///< Chrome trace file
   std::optional<double> verlet_k;
-  std::optional<std::int64_t> steps;     ///< last step of the run, not the number still to do
-  std::int64_t checkpoint_every = 0;     ///< [steps]; 0: only at a signal or a failure
-  RunOptions run;                        ///< threads, isa, chunk, profile
+  std::optional<std::int64_t> steps;  ///< last step of the run, not the number still to do
+  std::int64_t checkpoint_every = 0;  ///< [steps]; 0: only at a signal or a failure
+  RunOptions run;                     ///< threads, isa, chunk, profile
   bool quiet = false, json = false, overwrite = false;
 };
 

@@ -1,5 +1,6 @@
 // `talus check SCENE`: is the scene valid, is its time step safe, how many particles and how much memory will it need.
-// Builds the engine for step 0 (so initial overlaps and particles outside are found) but runs nothing and writes nothing.
+// Builds the engine for step 0 (so initial overlaps and particles outside are found) but runs nothing and writes
+// nothing.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -52,9 +53,9 @@ int check(const Options& options) {
   const double memory =
       static_cast<double>(simulation.bytes()) + static_cast<double>(to_come) * plan.bytes_per_particle;
   const bool fits = memory < 0.9 * physical_memory();
-  const std::string verdict =
-      !fits ? "valid, but needs more memory than this machine has"
-            : (step.warning.empty() ? "valid" : "valid, but the time step is large (see above)");
+  const std::string verdict = !fits
+                                  ? "valid, but needs more memory than this machine has"
+                                  : (step.warning.empty() ? "valid" : "valid, but the time step is large (see above)");
 
   if (options.json) {
     Json j;

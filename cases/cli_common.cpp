@@ -14,13 +14,12 @@ std::vector<std::string> overrides_of(const Options& options) {
   return all;
 }
 
-Scene scene_of(const Options& options) {
-  return load_scene(options.scene, overrides_of(options));
-}
+Scene scene_of(const Options& options) { return load_scene(options.scene, overrides_of(options)); }
 
 std::string grouped(std::int64_t n) {
   std::string digits = fmt::format("{}", n < 0 ? -n : n);
-  for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3) digits.insert(static_cast<std::size_t>(at), 1, ' ');
+  for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3)
+    digits.insert(static_cast<std::size_t>(at), 1, ' ');
   return n < 0 ? "-" + digits : digits;
 }
 

@@ -31,8 +31,8 @@ State read_state(const std::string& path, const RunOptions& engine) {
 /// Differences of one field over the particles that both states hold.
 struct FieldDifference {
   std::string name;
-  std::int64_t count = 0;        ///< particles with other bits
-  double largest = 0;            ///< max |a - b| over components, in the field's unit
+  std::int64_t count = 0;  ///< particles with other bits
+  double largest = 0;      ///< max |a - b| over components, in the field's unit
   ParticleId first = -1, worst = -1;
 };
 
@@ -144,7 +144,8 @@ int compare(const Options& options) {
   }
   for (const auto& f : c.fields) {
     if (f.count > 0) {
-      fmt::print("  {:<15} {} particles differ, at most {:.3e} (particle {})\n", f.name, grouped(f.count), f.largest, f.worst);
+      fmt::print("  {:<15} {} particles differ, at most {:.3e} (particle {})\n", f.name, grouped(f.count), f.largest,
+                 f.worst);
     }
   }
   return 1;

@@ -31,7 +31,8 @@ bool same_folder(const std::string& a, const std::string& b) {
 
 CheckpointReader newest(const std::string& folder) {
   auto loaded = RunFolder::open(folder).newest_checkpoint();
-  if (!loaded) throw Error(ErrorCode::io, "holds no checkpoint", folder, "run with --checkpoint-every N, or from the start");
+  if (!loaded)
+    throw Error(ErrorCode::io, "holds no checkpoint", folder, "run with --checkpoint-every N, or from the start");
   for (const std::string& message : loaded->skipped) fmt::print(stderr, "talus: warning: skipped {}\n", message);
   return std::move(loaded->reader);
 }

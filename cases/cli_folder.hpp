@@ -1,6 +1,6 @@
 // Where a run begins and where it writes: --out, --resume and --overwrite of the command line against what is on disk.
-// Called by cli_run, cli_info, cli_compare. Invariants: find_start only looks, open_folder is the first thing that writes;
-// the scene in a run folder carries, as comments at its end, what is needed to read it again from anywhere.
+// Called by cli_run, cli_info, cli_compare. Invariants: find_start only looks, open_folder is the first thing that
+// writes; the scene in a run folder carries, as comments at its end, what is needed to read it again from anywhere.
 #pragma once
 
 #include <optional>
@@ -19,7 +19,8 @@ struct Start {
   bool append = false;                         ///< continues the files of the interrupted run
 };
 
-/// Error{usage}: the folder holds results and neither --resume nor --overwrite is given. Error{io}: no checkpoint there.
+/// Error{usage}: the folder holds results and neither --resume nor --overwrite is given. Error{io}: no checkpoint
+/// there.
 Start find_start(const Options& options, const Scene& scene);
 
 /// Creates the folder, or opens the one to append to, with a copy of the scene. Error{io}.

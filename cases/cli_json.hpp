@@ -1,5 +1,6 @@
-// Minimal JSON text for `--json`: objects, arrays, numbers, strings, in the order they are written. Called by cli_*.cpp.
-// Invariant: numbers round-trip (shortest form that reads back to the same double); non-finite numbers become null.
+// Minimal JSON text for `--json`: objects, arrays, numbers, strings, in the order they are written. Called by
+// cli_*.cpp. Invariant: numbers round-trip (shortest form that reads back to the same double); non-finite numbers
+// become null.
 #pragma once
 
 #include <cstdint>

@@ -17,9 +17,8 @@ namespace talus::cli {
 namespace {
 
 bool walls_change(const Scene& scene) {
-  return std::any_of(scene.walls.begin(), scene.walls.end(), [](const WallSpec& w) {
-    return w.motion.any() || w.appear > 0 || w.vanish < k_never;
-  });
+  return std::any_of(scene.walls.begin(), scene.walls.end(),
+                     [](const WallSpec& w) { return w.motion.any() || w.appear > 0 || w.vanish < k_never; });
 }
 
 /// One kind of picture (particles, walls, contacts) in the formats that the scene asks for.
@@ -38,7 +37,8 @@ class FrameStream {
       files_.push_back(file);
     }
     if (scene.output.vtp) {
-      pvd_ = resume_step < 0 ? PvdCollection(folder.dir(), stem) : PvdCollection::resume(folder.dir(), stem, resume_step);
+      pvd_ =
+          resume_step < 0 ? PvdCollection(folder.dir(), stem) : PvdCollection::resume(folder.dir(), stem, resume_step);
       files_.push_back(folder.path(std::string(stem) + ".pvd"));
     }
   }
@@ -71,7 +71,7 @@ struct RunOutputs::Impl {
   std::optional<SeriesWriter> series;
   FluxPlanes flux;
   bool row_needs_frame = false;
-  std::int64_t start = 0;         ///< step that the run begins with
+  std::int64_t start = 0;  ///< step that the run begins with
   bool resumed = false;
   std::int64_t checkpoint_step = -1;  ///< of the last checkpoint written or read
 
@@ -116,7 +116,8 @@ struct RunOutputs::Impl {
     if (frame) {
       row.walls = frame->wall_loads;
       row.planes = flux.totals();
-      for (const auto& average : scene.output.regions) row.regions.push_back(average_region(*frame, scene, average.region));
+      for (const auto& average : scene.output.regions)
+        row.regions.push_back(average_region(*frame, scene, average.region));
     }
     series->append(row);
   }
@@ -141,10 +142,12 @@ RunOutputs::RunOutputs(const RunFolder& folder, const Simulation& simulation, co
   if (m.frames.on()) {
     using Content = VtkHdfWriter::Content;
     const ParticleColumns columns = ParticleColumns::of(scene);
-    m.particles.emplace(folder, scene, "particles", Content::particles,
-                        [columns](const Frame& f) { return particle_poly(f, columns); }, resume_step);
+    m.particles.emplace(
+        folder, scene, "particles", Content::particles, [columns](const Frame& f) { return particle_poly(f, columns); },
+        resume_step);
     if (!walls.empty()) m.walls.emplace(folder, scene, "walls", Content::walls, wall_poly, resume_step);
-    if (scene.output.contacts) m.contacts.emplace(folder, scene, "contacts", Content::contacts, contact_poly, resume_step);
+    if (scene.output.contacts)
+      m.contacts.emplace(folder, scene, "contacts", Content::contacts, contact_poly, resume_step);
     if (scene.output.grid.on) {
       m.grid = resume_step < 0 ? PvdCollection(folder.dir(), "grid", "vti")
                                : PvdCollection::resume(folder.dir(), "grid", resume_step, "vti");

@@ -1,6 +1,6 @@
-// Everything a run writes while it goes on: particle frames, CSV series, checkpoints. Called by cli_run.cpp; the writers
-// themselves are in core/io. Invariants: what is written at a step is a function of scene and step alone; a resumed run
-// first drops what the interrupted one wrote after the checkpoint, then appends.
+// Everything a run writes while it goes on: particle frames, CSV series, checkpoints. Called by cli_run.cpp; the
+// writers themselves are in core/io. Invariants: what is written at a step is a function of scene and step alone; a
+// resumed run first drops what the interrupted one wrote after the checkpoint, then appends.
 #pragma once
 
 #include <cstdint>

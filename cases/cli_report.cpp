@@ -31,7 +31,8 @@ int report(const Options& options) {
   const char* share = std::getenv("TALUS_SHARE");
   const std::string script = (fs::path(share != nullptr ? share : TALUS_SOURCE_DIR) / "perf" / "report.py").string();
   if (!fs::exists(script)) {
-    throw Error(ErrorCode::io, "report script not found", script, "set TALUS_SHARE to the folder that holds perf/report.py");
+    throw Error(ErrorCode::io, "report script not found", script,
+                "set TALUS_SHARE to the folder that holds perf/report.py");
   }
   std::vector<std::string> words{k_python, script, folder};
   if (!options.out.empty()) words.insert(words.end(), {"--out", options.out});

@@ -25,7 +25,8 @@ constexpr std::int64_t k_trace_steps = 200;  // enough to see rebuilds; more mak
 /// A trace of the first steps, then full speed: the file is written as soon as they are over.
 class TraceOnce {
  public:
-  TraceOnce(Simulation& simulation, std::string path) : path_(std::move(path)), until_(simulation.step() + k_trace_steps) {
+  TraceOnce(Simulation& simulation, std::string path)
+      : path_(std::move(path)), until_(simulation.step() + k_trace_steps) {
     if (!path_.empty()) simulation.start_trace();
   }
   std::int64_t stop(std::int64_t last) const { return path_.empty() ? last : std::min(last, until_); }
@@ -42,8 +43,8 @@ class TraceOnce {
 
 struct Outcome {
   int signal = 0;
-  std::string failure;      ///< message of Error{physics}
-  std::string checkpoint;   ///< the last one
+  std::string failure;     ///< message of Error{physics}
+  std::string checkpoint;  ///< the last one
 };
 
 /// Runs to the last step, a signal or a physical failure.
@@ -97,7 +98,8 @@ void print_closing(const Options& options, const std::string& folder, const Summ
                hdf ? "    (ParaView 5.12 or newer; --set output.vtp=true for older ones)" : "");
   }
   fmt::print("Report:         {} report {}    (one HTML page with plots and pictures)\n", options.program, folder);
-  if (outcome.signal != 0) fmt::print("Continue:       {} run {} --resume {}\n", options.program, options.scene, folder);
+  if (outcome.signal != 0)
+    fmt::print("Continue:       {} run {} --resume {}\n", options.program, options.scene, folder);
 }
 }  // namespace
 
@@ -108,9 +110,9 @@ int run(const Options& options) {
   if (!time_step.warning.empty()) fmt::print(stderr, "talus: warning: {}\n", time_step.warning);
 
   const RunOptions& engine = options.run;
-  std::unique_ptr<Simulation> simulation =
-      start.checkpoint ? std::make_unique<Simulation>(scene, engine, *start.checkpoint)
-                       : std::make_unique<Simulation>(scene, engine);
+  std::unique_ptr<Simulation> simulation = start.checkpoint
+                                               ? std::make_unique<Simulation>(scene, engine, *start.checkpoint)
+                                               : std::make_unique<Simulation>(scene, engine);
   if (start.checkpoint && simulation->step() > scene.steps) {
     throw Error(ErrorCode::usage,
                 fmt::format("the checkpoint is at step {}, after the last step {}", simulation->step(), scene.steps),
@@ -126,8 +128,8 @@ int run(const Options& options) {
   outputs.write(*simulation);
   const Outcome outcome = advance(options, scene, *simulation, outputs, progress);
 
-  const Summary summary = summary_of(
-      *simulation, {progress.seconds(), progress.particle_steps(), first, outcome.signal, outcome.failure});
+  const Summary summary =
+      summary_of(*simulation, {progress.seconds(), progress.particle_steps(), first, outcome.signal, outcome.failure});
   write_summary(folder.summary(), summary);
   if (!outcome.failure.empty()) {
     fmt::print(stderr, "talus: error: {}\n", outcome.failure);

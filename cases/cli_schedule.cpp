@@ -8,8 +8,8 @@
 namespace talus::cli {
 namespace {
 constexpr std::int64_t k_none = std::numeric_limits<std::int64_t>::max();
-constexpr double k_slice_s = 0.2;        // well below the second within which a signal must be answered
-constexpr std::int64_t k_growth = 4;     // a slice that happened to hold no rebuild must not make the next one huge
+constexpr double k_slice_s = 0.2;     // well below the second within which a signal must be answered
+constexpr std::int64_t k_growth = 4;  // a slice that happened to hold no rebuild must not make the next one huge
 }  // namespace
 
 std::int64_t Repeat::after(std::int64_t step) const noexcept {

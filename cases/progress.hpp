@@ -27,20 +27,20 @@ class Progress {
   /// Ends the line of the bar, so that later text starts on its own line.
   void finish();
 
-  double seconds() const;                      ///< since construction [s]
+  double seconds() const;  ///< since construction [s]
   double particle_steps() const { return particle_steps_; }
 
  private:
   using Clock = std::chrono::steady_clock;
-  double recent_rate(double now) const;        ///< particle-steps/s over the last seconds
+  double recent_rate(double now) const;  ///< particle-steps/s over the last seconds
 
   std::FILE* stream_;
   Style style_;
   std::int64_t first_, last_, step_;
   Clock::time_point start_;
   double particle_steps_ = 0;
-  double drawn_ = -1;                          ///< time of the last drawing [s]
-  int tenths_ = 0;                             ///< 10 % marks already printed
+  double drawn_ = -1;  ///< time of the last drawing [s]
+  int tenths_ = 0;     ///< 10 % marks already printed
   // The ETA follows the recent speed: filling and flowing differ by a factor of several.
   double mark_seconds_ = 0, mark_steps_ = 0, mark_work_ = 0;  ///< older end of the averaging window
   double next_seconds_ = 0, next_steps_ = 0, next_work_ = 0;  ///< becomes the older end next

@@ -1,8 +1,8 @@
 // The program `talus`: parses the command line, calls one command, turns errors into one message and an exit code.
 // Who calls it: people, scripts, CI. Invariant: the only place of the project that decides an exit code.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <functional>
 #include <map>
@@ -14,15 +14,19 @@ namespace {
 using namespace talus;
 using cli::Options;
 
-const std::map<std::string, Isa> k_isa_names{
-    {"auto", Isa::automatic}, {"scalar", Isa::scalar}, {"sse2", Isa::sse2}, {"avx2", Isa::avx2}, {"avx512", Isa::avx512}};
+const std::map<std::string, Isa> k_isa_names{{"auto", Isa::automatic},
+                                             {"scalar", Isa::scalar},
+                                             {"sse2", Isa::sse2},
+                                             {"avx2", Isa::avx2},
+                                             {"avx512", Isa::avx512}};
 
 void add_scene_options(CLI::App& app, Options& o) {
   app.add_option("scene", o.scene, "scene file (TOML); `talus help scene` lists its keys")->required();
   app.add_option("--set", o.set, "section.key=value: replaces any key of the scene (repeatable)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  app.add_option("--verlet-k", o.verlet_k, "K of the skin K|v|dt; never changes the trajectory")->check(CLI::NonNegativeNumber);
+  app.add_option("--verlet-k", o.verlet_k, "K of the skin K|v|dt; never changes the trajectory")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--steps", o.steps, "last step of the run")->check(CLI::NonNegativeNumber);
 }
 
@@ -120,7 +124,9 @@ int main(int argc, char** argv) {
   if (!o.topic.empty() && o.topic != "scene") {
     const auto found = app.get_subcommands([&](const CLI::App* c) { return c->get_name() == o.topic; });
     if (found.empty()) {
-      fmt::print(stderr, "talus: error: no help on '{}' (scene, or one of run, check, explain, info, compare, report)\n", o.topic);
+      fmt::print(stderr,
+                 "talus: error: no help on '{}' (scene, or one of run, check, explain, info, compare, report)\n",
+                 o.topic);
       return static_cast<int>(ErrorCode::usage);
     }
     fmt::print("{}", found.front()->help());

@@ -7,7 +7,7 @@ namespace {
 
 struct BadScene {
   const char* name;
-  const char* from;                   ///< replaced in the good scene
+  const char* from;  ///< replaced in the good scene
   const char* to;
   std::vector<const char*> expected;  ///< parts of the message
 };
@@ -46,7 +46,8 @@ TEST_P(BadScenes, ExitWithThreeAndLeaveNothing) {
     const Result r = talus(arguments);
     EXPECT_EQ(r.exit_code, 3) << command << ": " << r.err;
     EXPECT_EQ(r.err.rfind("talus: error: ", 0), 0u) << "one message and nothing before it: " << r.err;
-    for (const char* part : bad.expected) EXPECT_NE(r.err.find(part), std::string::npos) << "'" << part << "' in: " << r.err;
+    for (const char* part : bad.expected)
+      EXPECT_NE(r.err.find(part), std::string::npos) << "'" << part << "' in: " << r.err;
   }
   EXPECT_FALSE(exists("out"));
   EXPECT_FALSE(exists("results"));
@@ -71,21 +72,22 @@ struct BadRow {
 void PrintTo(const BadRow& bad, std::ostream* out) { *out << bad.name; }
 
 const std::vector<BadRow> k_bad_rows{
-    {"OutsideTheDomain", "0.05,0.05,0.05,0.004\n0.05,0.05,0.5,0.004\n", {"state.csv", "3"}},
-    {"Overlapping", "0.05,0.05,0.05,0.004\n0.05,0.05,0.051,0.004\n", {"overlap"}},
-    {"NegativeRadius", "0.05,0.05,0.05,0.004\n0.02,0.05,0.05,-0.004\n", {"state.csv", "3"}},
-    {"NotFinite", "0.05,0.05,0.05,0.004\n0.02,nan,0.05,0.004\n", {"state.csv", "3"}},
-    {"TooFewColumns", "0.05,0.05,0.05,0.004\n0.02,0.05\n", {"state.csv", "3"}},
+    {"OutsideTheDomain", "0.05,0.05,0.05,0.004,0,0,0\n0.05,0.05,0.5,0.004,0,0,0\n", {"state.csv:3"}},
+    {"Overlapping", "0.05,0.05,0.05,0.004,0,0,0\n0.05,0.05,0.051,0.004,0,0,0\n", {"overlap"}},
+    {"NegativeRadius", "0.05,0.05,0.05,0.004,0,0,0\n0.02,0.05,0.05,-0.004,0,0,0\n", {"state.csv:3"}},
+    {"NotFinite", "0.05,0.05,0.05,0.004,0,0,0\n0.02,nan,0.05,0.004,0,0,0\n", {"state.csv:3"}},
+    {"TooFewColumns", "0.05,0.05,0.05,0.004,0,0,0\n0.02,0.05\n", {"state.csv:3"}},
 };
 
 class BadRows : public Cli, public ::testing::WithParamInterface<BadRow> {};
 
 TEST_P(BadRows, ExitWithThreeAndNameFileAndRow) {
   write("bad.toml", csv_scene());
-  write("state.csv", std::string("x,y,z,radius\n") + GetParam().rows);
+  write("state.csv", std::string("x,y,z,radius,vx,vy,vz\n") + GetParam().rows);
   const Result r = talus({"run", "bad.toml", "--out", "out"});
   EXPECT_EQ(r.exit_code, 3) << r.err;
-  for (const char* part : GetParam().expected) EXPECT_NE(r.err.find(part), std::string::npos) << part << " in: " << r.err;
+  for (const char* part : GetParam().expected)
+    EXPECT_NE(r.err.find(part), std::string::npos) << part << " in: " << r.err;
   EXPECT_FALSE(exists("out"));
 }
 
@@ -95,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Cli, BadRows, ::testing::ValuesIn(k_bad_rows),
 TEST_F(Cli, TheGoodCsvSceneRuns) {
   // Without this the cases above could all fail for a reason that is not theirs.
   write("good.toml", csv_scene());
-  write("state.csv", "x,y,z,radius\n0.05,0.05,0.05,0.004\n0.05,0.05,0.06,0.004\n");
+  write("state.csv", "x,y,z,radius,vx,vy,vz\n0.05,0.05,0.05,0.004,0,0,0\n0.05,0.05,0.06,0.004,0,0,0\n");
   const Result r = talus({"run", "good.toml", "--out", "out"});
   EXPECT_EQ(r.exit_code, 0) << r.err;
   EXPECT_EQ(json_value(read("out/summary.json"), "particles"), "2");
@@ -112,7 +114,8 @@ TEST_F(Cli, BadReplacementNamesTheOption) {
   for (const char* set : {"contact.frictoin=0.5", "contact.friction=much", "contact.friction", "time.step=-1"}) {
     const Result r = talus({"run", "scene.toml", "--set", set, "--out", "out"});
     EXPECT_TRUE(r.exit_code == 2 || r.exit_code == 3) << set << r.err;
-    EXPECT_NE(r.err.find(std::string(set).substr(0, std::string(set).find('='))), std::string::npos) << set << ": " << r.err;
+    EXPECT_NE(r.err.find(std::string(set).substr(0, std::string(set).find('='))), std::string::npos)
+        << set << ": " << r.err;
   }
   EXPECT_FALSE(exists("out"));
 }
@@ -120,7 +123,8 @@ TEST_F(Cli, BadReplacementNamesTheOption) {
 TEST_F(Cli, UnstableStepRunsWhereTheSceneAllowsIt) {
   write("scene.toml", small_scene(1));
   EXPECT_EQ(talus({"check", "scene.toml", "--set", "time.step=2e-3"}).exit_code, 3);
-  const Result r = talus({"check", "scene.toml", "--set", "time.step=2e-3", "--set", "checks.allow_unstable_step=true"});
+  const Result r =
+      talus({"check", "scene.toml", "--set", "time.step=2e-3", "--set", "checks.allow_unstable_step=true"});
   EXPECT_EQ(r.exit_code, 0) << r.err;
   EXPECT_NE(r.err.find("warning"), std::string::npos) << r.err;
 }

@@ -97,7 +97,8 @@ restitution = 0.8
 normal_stiffness = 2e4
 [[source]]
 kind = "random"
-number = )" + std::to_string(number) +
+number = )" +
+         std::to_string(number) +
          R"(
 material = "glass"
 velocity_jitter = 1.0

@@ -90,7 +90,8 @@ std::string joined(const std::set<std::string>& names) {
 }
 
 TEST(Includes, ScannerSeesEveryFormAndSkipsComments) {
-  const auto found = includes_in("#include <tbb/flow_graph.h>\n  #  include \"core/types.hpp\"\n// #include <no>\nint x;\n#include<y.h>");
+  const auto found = includes_in(
+      "#include <tbb/flow_graph.h>\n  #  include \"core/types.hpp\"\n// #include <no>\nint x;\n#include<y.h>");
   EXPECT_EQ(found, (std::vector<std::string>{"tbb/flow_graph.h", "core/types.hpp", "y.h"}));
   EXPECT_GT(all_includes().size(), 100u) << "the source tree was not found below " << TALUS_SOURCE_DIR;
 }
@@ -137,9 +138,7 @@ TEST(Includes, HeavyReadersAreInOneTranslationUnitEach) {
   }
 }
 
-TEST(Includes, CliParserOnlyInTheProgram) {
-  EXPECT_EQ(users_of({"CLI/"}), (std::set<std::string>{"cases/talus.cpp"}));
-}
+TEST(Includes, CliParserOnlyInTheProgram) { EXPECT_EQ(users_of({"CLI/"}), (std::set<std::string>{"cases/talus.cpp"})); }
 
 TEST(Includes, NoEigenInInstructionSetUnits) {
   // Inline functions of Eigen compiled for AVX-512 could be the ones that the linker keeps for every caller.
@@ -167,8 +166,8 @@ TEST(Sources, NoLibraryRandomNumbersAndNoLibmInKernels) {
         EXPECT_EQ(text.find(word), std::string::npos) << file << " uses " << word;
       }
       if (folder != "kernels") continue;
-      for (const char* word : {"std::exp(", "std::log(", "std::sin(", "std::cos(", "std::pow(", "std::fma(", "std::floor(",
-                               "std::round(", "std::unordered_"}) {
+      for (const char* word : {"std::exp(", "std::log(", "std::sin(", "std::cos(", "std::pow(", "std::fma(",
+                               "std::floor(", "std::round(", "std::unordered_"}) {
         EXPECT_EQ(text.find(word), std::string::npos) << file << " uses " << word;
       }
     }
@@ -183,8 +182,8 @@ TEST(Sources, BuildForbidsContractionAndFastMath) {
 }
 
 TEST(Layout, NothingUnexpectedAtTheTop) {
-  const std::set<std::string> allowed{"CMakeLists.txt", "README.md", "LICENSE", "core",    "kernels",
-                                      "scheduler",      "cases",     "tests",   "perf",    "results"};
+  const std::set<std::string> allowed{"CMakeLists.txt", "README.md", "LICENSE", "core", "kernels",
+                                      "scheduler",      "cases",     "tests",   "perf", "results"};
   for (const auto& entry : fs::directory_iterator(TALUS_SOURCE_DIR)) {
     const std::string name = entry.path().filename().string();
     if (name[0] == '.' || name.rfind("build", 0) == 0) continue;  // git's own, and build folders
