@@ -81,7 +81,7 @@ void force(HertzMindlin, Block& b, const LawArgs& a) {
         // releases energy that the law does not give back (F^2/S_t falls by a/a_prev): it counts as friction.
         const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2], t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
         const B slip = (h[0] * (trial[0] - h[0]) + h[1] * (trial[1] - h[1])) + h[2] * (trial[2] - h[2]);
-        const B unloading = S::lt(radius, last);
+        const auto unloading = S::lt(radius, last);
         const B released = S::select(unloading, half * (before * (one - rescale)) / c.kt, zero);
         S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (h2 / st));
         S::store(b.e[1] + k, S::load(b.e[1] + k) + dt * (ct * t2));
