@@ -28,7 +28,7 @@ inline Vec3 cross(Vec3 a, Vec3 b) noexcept {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 inline double norm2(Vec3 a) noexcept { return dot(a, a); }
-double norm(Vec3 a) noexcept;  ///< sqrt(dot(a, a))
+inline double norm(Vec3 a) noexcept { return __builtin_sqrt(dot(a, a)); }
 
 /// min and max with one fixed rule for equal and signed-zero arguments (DESIGN I4): a < b ? a : b.
 inline double fmin2(double a, double b) noexcept { return a < b ? a : b; }
