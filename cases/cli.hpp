@@ -26,6 +26,7 @@ struct Options {
   std::string trace;               ///< Chrome trace file
   std::optional<double> verlet_k;
   std::optional<std::int64_t> steps;  ///< last step of the run, not the number still to do
+  std::int64_t warm = 0;              ///< first steps that wall_s and the rate leave out
   std::int64_t checkpoint_every = 0;  ///< [steps]; 0: only at a signal or a failure
   RunOptions run;                     ///< threads, isa, chunk, profile
   bool quiet = false, json = false, overwrite = false;

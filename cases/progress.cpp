@@ -36,6 +36,14 @@ Progress::Progress(std::FILE* stream, Style style, std::int64_t first_step, std:
 
 double Progress::seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
+void Progress::restart() {
+  start_ = Clock::now();
+  particle_steps_ = 0;
+  drawn_ = -1;
+  mark_seconds_ = mark_work_ = next_seconds_ = next_work_ = 0;
+  mark_steps_ = next_steps_ = static_cast<double>(step_ - first_);
+}
+
 double Progress::recent_rate(double now) const {
   return now > mark_seconds_ ? (particle_steps_ - mark_work_) / (now - mark_seconds_) : 0;
 }

@@ -24,6 +24,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
   /// `step` done, at simulated time `time` [s] with `particles` present; call after every slice.
   void update(std::int64_t step, double time, std::int64_t particles);
+  /// Clock and work start anew here: seconds() and particle_steps() count from now on.
+  void restart();
   /// Ends the line of the bar, so that later text starts on its own line.
   void finish();
 

@@ -46,6 +46,8 @@ void add_run_options(CLI::App& app, Options& o) {
       ->type_name("FILE|DIR");
   app.add_option("--checkpoint-every", o.checkpoint_every, "steps between checkpoints; 0 = only at a signal")
       ->check(CLI::NonNegativeNumber);
+  app.add_option("--warm", o.warm, "first steps that the reported time and rate leave out (benchmarks)")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--trace", o.trace, "write a Chrome trace (Perfetto) of the first steps")->type_name("FILE");
   app.add_flag("--profile", o.run.profile, "time every node of the step");
   app.add_flag("--quiet", o.quiet, "no progress, no closing text");

@@ -10,55 +10,60 @@
 
 namespace talus::kernels {
 
+/// v(n+1/2) of one row with background damping; rare, so scalar. Cundall's local damping opposes the motion with a
+/// fraction of the resultant; viscous damping is linear in v.
 template <class S, bool Rotation>
-void integrate(IntegrateArgs& a) {
+inline void damped_row(const IntegrateArgs& a, const double* v, const double* f, double* out) {
+  constexpr int rows = Rotation ? 8 : 4;
+  const double invm = v[rows - 1], live = invm > 0 ? 1.0 : 0.0;
+  for (int c = 0; c < rows; ++c) {
+    if (!(c < 3 || (c >= 4 && c < 7))) {
+      out[c] = v[c];
+      continue;
+    }
+    double acc = (f[c] * invm) * (c < 3 ? 1.0 : 2.5) + (c < 3 ? a.gravity[c] * live : 0.0);
+    const double size = acc < 0 ? -acc : acc;
+    if (a.local != 0 && v[c] != 0) acc = acc - (v[c] > 0 ? a.local : -a.local) * size;
+    acc = acc - (a.viscous * live) * v[c];
+    out[c] = v[c] + a.kick * acc;
+  }
+}
+
+template <class S, bool Rotation, bool Damped>
+void integrate_rows(IntegrateArgs& args) {
+  const IntegrateArgs a = args;  // a local copy: stores through p2 and v2 cannot alias it
   constexpr long rows = Rotation ? 8 : 4;
-  alignas(64) double mult[8] = {a.kick, a.kick, a.kick, 0, 2.5 * a.kick, 2.5 * a.kick, 2.5 * a.kick, 0};
-  alignas(64) double grav[8] = {a.kick * a.gravity[0], a.kick * a.gravity[1], a.kick * a.gravity[2], 0, 0, 0, 0, 0};
-  alignas(64) double step[4] = {a.dt, a.dt, a.dt, 0};
+  alignas(64) const double mult_rows[8] = {a.kick, a.kick, a.kick, 0, 2.5 * a.kick, 2.5 * a.kick, 2.5 * a.kick, 0};
+  alignas(64) const double grav_rows[8] = {a.kick * a.gravity[0], a.kick * a.gravity[1], a.kick * a.gravity[2], 0, 0, 0, 0, 0};
+  alignas(32) const double step[4] = {a.dt, a.dt, a.dt, 0}, nothing[4] = {0, 0, 0, -1e300};
+  alignas(32) const double down[4] = {-a.half[0], -a.half[1], -a.half[2], -a.half[3]};
   const auto dt = S::load4(step), upper = S::load4(a.upper), wrap = S::load4(a.wrap), half = S::load4(a.half);
-  alignas(64) double minus_half_rows[4], nothing[4] = {0, 0, 0, -1e300};
-  for (int c = 0; c < 4; ++c) minus_half_rows[c] = -a.half[c];
-  const auto minus_half = S::load4(minus_half_rows), zero = S::load4(nothing);
+  const auto minus_half = S::load4(down), zero = S::load4(nothing);
   unsigned periodic = 0;
   for (int c = 0; c < 3; ++c) periodic |= (a.wrap[c] != 0 ? 1U : 0U) << c;
-  a.out_count = 0;
-  a.expired = 0;
-  a.unstable_row = -1;
   int expired = 0;
+  std::int32_t out_count = 0, unstable_row = -1;
   for (long i = a.lo; i < a.hi; ++i) {
     const double* vr = a.v + rows * i;
     const double* fr = a.f + rows * i;
-    const double invm = vr[Rotation ? 7 : 3];
+    const double invm = vr[rows - 1];
     const double live = invm > 0 ? 1.0 : 0.0;
-    if (fr[3] * invm > a.unstable) a.unstable_row = static_cast<std::int32_t>(i);
+    if (__builtin_expect(fr[3] * invm > a.unstable, 0)) unstable_row = static_cast<std::int32_t>(i);
     typename S::R4 vel;
-    if (a.viscous != 0 || a.local != 0) {  // background damping: rare, scalar, uniform branch
-      double f[8], out[8];
-      for (int c = 0; c < rows; ++c) f[c] = fr[c];
-      for (int c = 0; c < rows; ++c) {
-        const double weight = (c < 3) ? a.gravity[c] * live : 0.0;
-        double acc = (f[c] * invm) * (c < 3 ? 1.0 : (c >= 4 && c < 7) ? 2.5 : 0.0) + weight;
-        const double v = vr[c];
-        // Cundall's local damping opposes the motion with a fraction of the resultant; viscous damping is linear in v.
-        const double mag = acc < 0 ? -acc : acc;
-        if (a.local != 0 && v != 0) acc = acc - (v > 0 ? a.local : -a.local) * mag;
-        const bool motion = c < 3 || (c >= 4 && c < 7);
-        if (motion) acc = acc - (a.viscous * live) * v;
-        out[c] = motion ? v + a.kick * acc : v;
-      }
-      for (int c = 0; c < rows; ++c) a.v2[rows * i + c] = out[c];
+    if constexpr (Damped) {
+      damped_row<S, Rotation>(a, vr, fr, a.v2 + rows * i);
       vel = S::load4(a.v2 + rows * i);
+      if constexpr (!Rotation) vel = S::and4(vel, 7U);
     } else if constexpr (Rotation) {
       auto v = S::load8(vr);
-      v = S::add8(v, S::mul8(S::mul8(S::load8(fr), S::set8(invm)), S::load8(mult)));
-      v = S::add8(v, S::mul8(S::load8(grav), S::set8(live)));
+      v = S::add8(v, S::mul8(S::mul8(S::load8(fr), S::set8(invm)), S::load8(mult_rows)));
+      v = S::add8(v, S::mul8(S::load8(grav_rows), S::set8(live)));
       S::store8(a.v2 + rows * i, v);
       vel = S::low4(v);
     } else {
       auto v = S::load4(vr);
-      v = S::add4(v, S::mul4(S::mul4(S::load4(fr), S::set4(invm)), S::load4(mult)));
-      v = S::add4(v, S::mul4(S::load4(grav), S::set4(live)));
+      v = S::add4(v, S::mul4(S::mul4(S::load4(fr), S::set4(invm)), S::load4(mult_rows)));
+      v = S::add4(v, S::mul4(S::load4(grav_rows), S::set4(live)));
       S::store4(a.v2 + rows * i, v);
       vel = v;
     }
@@ -69,7 +74,7 @@ void integrate(IntegrateArgs& a) {
         x = S::add4(x, S::and4(wrap, below & periodic));
         x = S::sub4(x, S::and4(wrap, above & periodic));
       }
-      if (((below | above) & ~periodic) != 0 && a.p[4 * i] < 1e100) a.out[a.out_count++] = static_cast<std::int32_t>(i);
+      if (((below | above) & ~periodic) != 0 && a.p[4 * i] < 1e100) a.out[out_count++] = static_cast<std::int32_t>(i);
     }
     S::store4(a.p2 + 4 * i, x);
     const double* ref = a.x0 + 4 * i;
@@ -79,13 +84,17 @@ void integrate(IntegrateArgs& a) {
       d = S::sub4(d, S::and4(wrap, far_up));
       d = S::add4(d, S::and4(wrap, far_down));
     }
-    d = S::mul4(d, d);
-    alignas(32) double q[4];
-    S::store4(q, d);
-    const double moved = (q[0] + q[1]) + q[2];
-    expired |= !(moved <= ref[3]) ? 1 : 0;
+    expired |= !(S::norm3(d) <= ref[3]) ? 1 : 0;
   }
-  a.expired = expired;
+  args.out_count = out_count;
+  args.expired = expired;
+  args.unstable_row = unstable_row;
+}
+
+template <class S, bool Rotation>
+void integrate(IntegrateArgs& a) {
+  if (a.viscous != 0 || a.local != 0) integrate_rows<S, Rotation, true>(a);
+  else integrate_rows<S, Rotation, false>(a);
 }
 
 }  // namespace talus::kernels

@@ -104,6 +104,8 @@ struct Scalar {
   TALUS_INLINE static void store8(double* p, const R8& a) { for (int k = 0; k < 8; ++k) p[k] = a.v[k]; }
   TALUS_INLINE static R8 set8(double a) { R8 c; for (int k = 0; k < 8; ++k) c.v[k] = a; return c; }
   TALUS_INLINE static R4 low4(const R8& a) { return {{a.v[0], a.v[1], a.v[2], a.v[3]}}; }
+  /// (x*x + y*y) + z*z of lanes 0..2.
+  TALUS_INLINE static double norm3(const R4& a) { return (a.v[0] * a.v[0] + a.v[1] * a.v[1]) + a.v[2] * a.v[2]; }
   // Pair search in float32, F lanes.
   static constexpr int F = 1;
   /// Bit k set where candidate k (of up to F) lies within the summed reach: |x - q|^2 < (r + q_r)^2.
@@ -216,6 +218,10 @@ struct Sse2 {
   TALUS_INLINE static void store8(double* p, const R8& a) { for (int k = 0; k < 4; ++k) _mm_store_pd(p + 2 * k, a.v[k]); }
   TALUS_INLINE static R8 set8(double a) { R8 c; for (int k = 0; k < 4; ++k) c.v[k] = _mm_set1_pd(a); return c; }
   TALUS_INLINE static R4 low4(const R8& a) { return {{a.v[0], a.v[1]}}; }
+  TALUS_INLINE static double norm3(const R4& a) {
+    const __m128d q = _mm_mul_pd(a.v[0], a.v[0]);
+    return (_mm_cvtsd_f64(q) + _mm_cvtsd_f64(_mm_unpackhi_pd(q, q))) + _mm_cvtsd_f64(_mm_mul_sd(a.v[1], a.v[1]));
+  }
   static constexpr int F = 4;
   TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy, const float* qz, const float* qr) {
     const __m128 dx = _mm_sub_ps(_mm_set1_ps(x), _mm_loadu_ps(qx)), dy = _mm_sub_ps(_mm_set1_ps(y), _mm_loadu_ps(qy));
@@ -348,6 +354,11 @@ struct Avx2 {
   TALUS_INLINE static void store8(double* p, R8 a) { _mm256_store_pd(p, a.v[0]); _mm256_store_pd(p + 4, a.v[1]); }
   TALUS_INLINE static R8 set8(double a) { return {{_mm256_set1_pd(a), _mm256_set1_pd(a)}}; }
   TALUS_INLINE static R4 low4(R8 a) { return a.v[0]; }
+  TALUS_INLINE static double norm3(R4 a) {
+    const __m256d q = _mm256_mul_pd(a, a);
+    const __m128d l = _mm256_castpd256_pd128(q);
+    return (_mm_cvtsd_f64(l) + _mm_cvtsd_f64(_mm_unpackhi_pd(l, l))) + _mm_cvtsd_f64(_mm256_extractf128_pd(q, 1));
+  }
   static constexpr int F = 8;
   TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy, const float* qz, const float* qr) {
     const __m256 dx = _mm256_sub_ps(_mm256_set1_ps(x), _mm256_loadu_ps(qx)), dy = _mm256_sub_ps(_mm256_set1_ps(y), _mm256_loadu_ps(qy));
@@ -478,6 +489,11 @@ struct Avx512 {
   TALUS_INLINE static void store8(double* p, R8 a) { _mm512_store_pd(p, a); }
   TALUS_INLINE static R8 set8(double a) { return _mm512_set1_pd(a); }
   TALUS_INLINE static R4 low4(R8 a) { return _mm512_castpd512_pd256(a); }
+  TALUS_INLINE static double norm3(R4 a) {
+    const __m256d q = _mm256_mul_pd(a, a);
+    const __m128d l = _mm256_castpd256_pd128(q);
+    return (_mm_cvtsd_f64(l) + _mm_cvtsd_f64(_mm_unpackhi_pd(l, l))) + _mm_cvtsd_f64(_mm256_extractf128_pd(q, 1));
+  }
   static constexpr int F = 16;
   TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy, const float* qz, const float* qr) {
     const __m512 dx = _mm512_sub_ps(_mm512_set1_ps(x), _mm512_loadu_ps(qx)), dy = _mm512_sub_ps(_mm512_set1_ps(y), _mm512_loadu_ps(qy));

@@ -41,6 +41,36 @@ void scatter_energy(World& w, const std::int32_t* ci, const std::int32_t* cj, in
   }
 }
 
+/// Tests only: the order of summation that RunOptions::seeded_fault asks for; empty without a fault. 1: pairs with lower
+/// chunks after the interior, which depends on the chunk size. 2: interior pairs as they would arrive from the far end.
+std::vector<std::int64_t> faulty_order(const World& w, const Chunk& c) {
+  std::vector<std::int64_t> order;
+  if (w.options.seeded_fault != 1 && w.options.seeded_fault != 2) return order;
+  const std::int64_t lower = c.contact_end[0], interior = c.contact_end[1], total = c.contact_end[2];
+  if (w.options.seeded_fault == 1) {
+    for (std::int64_t k = lower; k < total; ++k) order.push_back(k);
+    for (std::int64_t k = 0; k < lower; ++k) order.push_back(k);
+  } else {
+    for (std::int64_t k = 0; k < lower; ++k) order.push_back(k);
+    for (std::int64_t k = interior; k-- > lower;) order.push_back(k);
+    for (std::int64_t k = interior; k < total; ++k) order.push_back(k);
+  }
+  return order;
+}
+
+/// Tests only: contact k becomes contact order[k], history included.
+void permute_contacts(const World& w, Chunk& c, const std::vector<std::int64_t>& order) {
+  Scratch& s = *c.scratch;
+  const auto permute = [&](auto& column) {
+    const auto old = column;
+    for (std::size_t k = 0; k < order.size(); ++k) column[k] = old[static_cast<std::size_t>(order[k])];
+  };
+  permute(s.ci);
+  permute(s.cj);
+  for (auto* x : {&s.x, &s.y, &s.z, &s.w}) permute(*x);
+  for (int q = 0; q < w.has.history_columns; ++q) permute(c.h[q]);
+}
+
 }  // namespace
 
 Scratch* ScratchPool::take() {
@@ -128,18 +158,6 @@ void narrow_chunk(World& w, Chunk& c) {
       }
     }
   }
-  if (w.options.seeded_fault == 2) {  // tests only: contacts in another order must change the hash
-    const std::int64_t b = c.contact_end[0], e = c.contact_end[1];
-    for (std::int64_t l = b, r = e - 1; l < r; ++l, --r) {
-      std::swap(s.ci[l], s.ci[r]);
-      std::swap(s.cj[l], s.cj[r]);
-      std::swap(s.x[l], s.x[r]);
-      std::swap(s.y[l], s.y[r]);
-      std::swap(s.z[l], s.z[r]);
-      std::swap(s.w[l], s.w[r]);
-      for (int k = 0; k < a.history; ++k) std::swap(c.h[k][l], c.h[k][r]);
-    }
-  }
 }
 
 void force_chunk(World& w, Chunk& c) {
@@ -158,24 +176,13 @@ void force_chunk(World& w, Chunk& c) {
   const std::int64_t total = c.contact_end[2];
   std::int64_t both_from = c.contact_end[0], both_to = c.contact_end[1];
   double* f = s.f.data() - static_cast<std::ptrdiff_t>(w.stride) * c.lo;
-  if (w.options.seeded_fault == 1) {  // tests only: borders after the interior, which depends on the chunk size
-    std::vector<std::int64_t> order;
-    for (std::int64_t k = both_from; k < total; ++k) order.push_back(k);
-    for (std::int64_t k = 0; k < both_from; ++k) order.push_back(k);
-    Scratch t = s;
-    Column<double> h[k_max_history];
-    for (int k = 0; k < w.has.history_columns; ++k) h[k] = c.h[k];
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      s.ci[k] = t.ci[order[k]];
-      s.cj[k] = t.cj[order[k]];
-      s.x[k] = t.x[order[k]];
-      s.y[k] = t.y[order[k]];
-      s.z[k] = t.z[order[k]];
-      s.w[k] = t.w[order[k]];
-      for (int q = 0; q < w.has.history_columns; ++q) c.h[q][k] = h[q][order[k]];
+  std::vector<std::int64_t> faulty = faulty_order(w, c);
+  if (!faulty.empty()) {
+    permute_contacts(w, c, faulty);
+    if (w.options.seeded_fault == 1) {
+      both_to -= both_from;
+      both_from = 0;
     }
-    both_to -= both_from;
-    both_from = 0;
   }
   for (std::int64_t k0 = 0; k0 < total; k0 += k_block) {
     const int n = static_cast<int>(std::min<std::int64_t>(k_block, total - k0));
@@ -200,13 +207,10 @@ void force_chunk(World& w, Chunk& c) {
     w.kernels->scatter[rotation](ScatterArgs{f, b.n > 0 ? s.ci.data() + k0 : nullptr, s.cj.data() + k0, n, from, to, r});
     if (w.has.energies) scatter_energy(w, s.ci.data() + k0, s.cj.data() + k0, n, from, to, e);
   }
-  if (w.options.seeded_fault == 1) {  // put the history back into list order
-    Column<double> h[k_max_history];
-    const std::int64_t moved = c.contact_end[0];
-    for (int q = 0; q < w.has.history_columns; ++q) {
-      h[q] = c.h[q];
-      for (std::int64_t k = 0; k < total; ++k) c.h[q][k < total - moved ? k + moved : k - (total - moved)] = h[q][k];
-    }
+  if (!faulty.empty()) {  // the history goes back into list order: only the order of the sums was wrong
+    std::vector<std::int64_t> back(faulty.size());
+    for (std::size_t k = 0; k < faulty.size(); ++k) back[static_cast<std::size_t>(faulty[k])] = static_cast<std::int64_t>(k);
+    permute_contacts(w, c, back);
   }
 }
 
