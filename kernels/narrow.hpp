@@ -34,7 +34,6 @@ template <class S>
 void narrow(NarrowArgs& a) {
   using B = typename S::B;
   std::int32_t *ci = a.ci, *cj = a.cj;
-  double *x = a.x, *y = a.y, *z = a.z, *w = a.w;
   const double* from[k_max_history];
   double* to[k_max_history];
   for (int k = 0; k < a.history; ++k) {
@@ -56,10 +55,6 @@ void narrow(NarrowArgs& a) {
         const auto m = S::lt(d2, d[3] * d[3]);
         const B wd = d[3] * deep;
         if (S::any(S::lt(d2, wd * wd))) a.deep_slot = s + k;
-        x = S::compress(x, d[0], m);
-        y = S::compress(y, d[1], m);
-        z = S::compress(z, d[2], m);
-        w = S::compress(w, d[3], m);
         S::compress_index(ci, a.pi + s + k, m);
         S::compress_index(cj, a.pj + s + k, m);
         const unsigned b = S::bits(m);
@@ -77,20 +72,33 @@ void narrow(NarrowArgs& a) {
         to[k] += nn;
       }
     }
-    a.contact_end[section] = x - a.x;
+    a.contact_end[section] = ci - a.ci;
   }
 }
 
-/// Relative velocity rows of a block's contacts (and R*, material pair where asked for).
+/// Relative position and velocity of a block's contacts (and R*, material pair where asked for). Positions are formed again
+/// here: storing them compacted in the narrow phase costs more (unaligned 64-byte stores) than two more row loads.
 template <class S, bool Rotation>
 void gather(const GatherArgs& a) {
   using B = typename S::B;
   constexpr int rows = Rotation ? 8 : 4;
   for (int k = 0; k < a.n; k += S::W) {
-    B r[rows];
+    B d[4], r[rows];
+    for (int q = k; q < k + S::W && q < a.next_n; ++q) {
+      __builtin_prefetch(a.v + static_cast<long>(rows) * a.next_j[q]);
+      __builtin_prefetch(a.p + 4L * a.next_j[q]);
+    }
+    S::pair_rows4(a.p, a.i + k, a.j + k, d);
+    if (a.periodic != 0)
+      for (int c = 0; c < 3; ++c) minimum_image<S>(d[c], a.half[c], a.period[c]);
+    for (int c = 0; c < 4; ++c) S::store(a.x[c] + k, d[c]);
     if constexpr (Rotation) S::pair_rows8(a.v, a.i + k, a.j + k, r);
     else S::pair_rows4(a.v, a.i + k, a.j + k, r);
     for (int c = 0; c < rows; ++c) S::store(a.r[c] + k, r[c]);
+  }
+  for (int k = a.n; k < (a.n + 7) / 8 * 8; ++k) {  // padding lanes: a harmless distant pair
+    a.x[0][k] = a.x[3][k] = 1;
+    a.x[1][k] = a.x[2][k] = 0;
   }
   if (a.reff != nullptr)
     for (int k = 0; k < a.n; ++k) {

@@ -25,7 +25,6 @@ struct NarrowArgs {
   double deep;                  ///< a pair with d < deep * (r_i + r_j) is reported
   // results
   std::int32_t *ci, *cj;        ///< [contacts + pad]
-  double *x, *y, *z, *w;        ///< [contacts + pad] centre difference i - j and r_i + r_j [m]
   std::int64_t contact_end[3];  ///< contact ends of the three sections
   std::int64_t deep_slot;       ///< some slot deeper than `deep`, or -1
 };
@@ -65,7 +64,12 @@ struct GatherArgs {
   int materials;
   const std::int32_t *i, *j;          ///< [n + pad] rows of the block's contacts
   int n;
-  double (*r)[k_block + k_pad];
+  double (*x)[k_block + k_pad];       ///< out: 0..2 centre difference i - j (minimum image), 3 r_i + r_j [m]
+  double (*r)[k_block + k_pad];       ///< out: relative velocity rows, see Block::r
+  int periodic;
+  double half[3], period[3];          ///< as in NarrowArgs
+  const std::int32_t* next_j;         ///< partner rows of the next block, prefetched; next_n of them
+  int next_n;
   double* reff;                       ///< or null
   std::int32_t* pair;                 ///< or null
 };

@@ -18,13 +18,10 @@ void grow(Column<T>& c, std::size_t n) {
   if (c.size() < n) c.resize(n + n / 8 + 64);
 }
 
-/// Fills the padding behind the last contact with a harmless far pair, so that whole SIMD blocks can run.
+/// Fills the padding behind the last contact with the dead row, so that whole SIMD blocks can run.
 void pad_contacts(const World& w, Scratch& s, std::int64_t n) {
   for (int k = 0; k < k_pad; ++k) {
     s.ci[n + k] = s.cj[n + k] = w.n;  // the dead row
-    s.x[n + k] = 1;
-    s.y[n + k] = s.z[n + k] = 0;
-    s.w[n + k] = 1;
   }
 }
 
@@ -67,11 +64,35 @@ void permute_contacts(const World& w, Chunk& c, const std::vector<std::int64_t>&
   };
   permute(s.ci);
   permute(s.cj);
-  for (auto* x : {&s.x, &s.y, &s.z, &s.w}) permute(*x);
   for (int q = 0; q < w.has.history_columns; ++q) permute(c.h[q]);
 }
 
 }  // namespace
+
+GatherArgs gather_args(const World& w, const Scratch& s, std::int64_t k0, int n, int next, double (*x)[k_block + k_pad],
+                       double (*r)[k_block + k_pad], double* reff, std::int32_t* pair) {
+  GatherArgs g{};
+  g.v = w.v.data();
+  g.p = w.p.data();
+  g.material = w.has.materials ? w.material.data() : nullptr;
+  g.materials = static_cast<int>(w.scene.materials.size());
+  g.i = s.ci.data() + k0;
+  g.j = s.cj.data() + k0;
+  g.n = n;
+  g.x = x;
+  g.r = r;
+  g.periodic = w.has.periodic ? 1 : 0;
+  for (int k = 0; k < 3; ++k) {
+    const bool periodic = w.scene.domain.periodic(k);
+    g.half[k] = periodic ? 0.5 * w.size[k] : 1e300;
+    g.period[k] = periodic ? w.size[k] : 0.0;
+  }
+  g.next_j = g.j + k_block;
+  g.next_n = next;
+  g.reff = w.has.reff ? reff : nullptr;
+  g.pair = w.has.materials ? pair : nullptr;
+  return g;
+}
 
 Scratch* ScratchPool::take() {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -92,7 +113,7 @@ void ScratchPool::give(Scratch* s) {
 std::size_t ScratchPool::bytes() const {
   std::size_t b = 0;
   for (const auto& s : all_) {
-    b += (s->ci.capacity() + s->cj.capacity()) * 4 + (s->x.capacity() * 4 + s->f.capacity()) * 8;
+    b += (s->ci.capacity() + s->cj.capacity()) * 4 + s->f.capacity() * 8;
     for (const auto& h : s->h) b += h.capacity() * 8;
   }
   return b;
@@ -109,10 +130,6 @@ void narrow_chunk(World& w, Chunk& c) {
   const std::size_t room = static_cast<std::size_t>(c.pairs[0] + c.pairs[1] + c.pairs[2]) + 2 * k_pad;
   grow(s.ci, room);
   grow(s.cj, room);
-  grow(s.x, room);
-  grow(s.y, room);
-  grow(s.z, room);
-  grow(s.w, room);
   NarrowArgs a{};
   a.p = w.p.data();
   a.pi = c.pi.data();
@@ -136,10 +153,6 @@ void narrow_chunk(World& w, Chunk& c) {
   a.deep = 1.0 - w.scene.max_overlap * w.r_min / (w.r_min + w.r_max);
   a.ci = s.ci.data();
   a.cj = s.cj.data();
-  a.x = s.x.data();
-  a.y = s.y.data();
-  a.z = s.z.data();
-  a.w = s.w.data();
   w.kernels->narrow(a);
   for (int k = 0; k < 3; ++k) c.contact_end[k] = a.contact_end[k];
   for (int k = 0; k < a.history; ++k) std::swap(c.h[k], s.h[k]);
@@ -147,9 +160,16 @@ void narrow_chunk(World& w, Chunk& c) {
   c.deep_slot = -1;
   if (a.deep_slot >= 0) {
     for (std::int64_t k = 0; k < c.contact_end[2]; ++k) {
-      const double d = __builtin_sqrt((s.x[k] * s.x[k] + s.y[k] * s.y[k]) + s.z[k] * s.z[k]);
+      const double *p = w.p.data() + 4L * s.ci[k], *o = w.p.data() + 4L * s.cj[k];
+      double d2 = 0;
+      for (int q = 0; q < 3; ++q) {
+        double x = p[q] - o[q];
+        x = x > a.half[q] ? x - a.period[q] : (x < -a.half[q] ? x + a.period[q] : x);
+        d2 += x * x;
+      }
+      const double d = __builtin_sqrt(d2);
       const double small = fmin2(w.p[4L * s.ci[k] + 3], w.p[4L * s.cj[k] + 3]);
-      if (s.w[k] - d > w.scene.max_overlap * small) {
+      if (p[3] + o[3] - d > w.scene.max_overlap * small) {
         c.deep_slot = k;
         c.row_buffer.resize(2);
         c.row_buffer[0] = s.ci[k];
@@ -167,7 +187,7 @@ void force_chunk(World& w, Chunk& c) {
   grow(s.f, static_cast<std::size_t>(rows) * w.stride);
   std::memset(s.f.data(), 0, static_cast<std::size_t>(rows) * w.stride * sizeof(double));
   if (w.has.energies) std::memset(w.energy.data() + 4L * c.lo, 0, static_cast<std::size_t>(rows) * 4 * sizeof(double));
-  alignas(64) double r[8][k_block + k_pad], e[3][k_block + k_pad], reff[k_block + k_pad];
+  alignas(64) double x[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad], reff[k_block + k_pad];
   alignas(64) std::int32_t pair[k_block + k_pad];
   if (w.has.reff) std::fill(reff, reff + k_block + k_pad, 1.0);
   if (w.has.materials) std::fill(pair, pair + k_block + k_pad, 0);
@@ -186,16 +206,14 @@ void force_chunk(World& w, Chunk& c) {
   }
   for (std::int64_t k0 = 0; k0 < total; k0 += k_block) {
     const int n = static_cast<int>(std::min<std::int64_t>(k_block, total - k0));
-    GatherArgs g{w.v.data(), w.p.data(), w.has.materials ? w.material.data() : nullptr,
-                 static_cast<int>(w.scene.materials.size()), s.ci.data() + k0, s.cj.data() + k0, n, r,
-                 w.has.reff ? reff : nullptr, w.has.materials ? pair : nullptr};
-    w.kernels->gather[rotation](g);
+    const int next = static_cast<int>(std::clamp<std::int64_t>(total - k0 - k_block, 0, n));
+    w.kernels->gather[rotation](gather_args(w, s, k0, n, next, x, r, reff, pair));
     Block b{};
     b.n = n;
-    b.x = s.x.data() + k0;
-    b.y = s.y.data() + k0;
-    b.z = s.z.data() + k0;
-    b.w = s.w.data() + k0;
+    b.x = x[0];
+    b.y = x[1];
+    b.z = x[2];
+    b.w = x[3];
     b.r = r;
     for (int k = 0; k < w.has.history_columns; ++k) b.h[k] = c.h[k].data() + k0;
     b.reff = reff;

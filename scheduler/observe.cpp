@@ -41,21 +41,19 @@ void record_contacts(World& w, std::vector<ContactRecord>& out, std::vector<std:
     narrow_chunk(w, c);
     const Scratch& s = *c.scratch;
     const std::int64_t total = c.contact_end[2];
-    alignas(64) double r[8][k_block + k_pad], e[3][k_block + k_pad], reff[k_block + k_pad];
+    alignas(64) double x[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad], reff[k_block + k_pad];
     alignas(64) std::int32_t pair[k_block + k_pad];
     std::fill(reff, reff + k_block + k_pad, 1.0);
     std::fill(pair, pair + k_block + k_pad, 0);
     for (std::int64_t k0 = 0; k0 < total; k0 += k_block) {
       const int n = static_cast<int>(std::min<std::int64_t>(k_block, total - k0));
-      w.kernels->gather[w.has.rotation ? 1 : 0](GatherArgs{
-          w.v.data(), w.p.data(), w.has.materials ? w.material.data() : nullptr, static_cast<int>(w.scene.materials.size()),
-          s.ci.data() + k0, s.cj.data() + k0, n, r, w.has.reff ? reff : nullptr, w.has.materials ? pair : nullptr});
+      w.kernels->gather[w.has.rotation ? 1 : 0](gather_args(w, s, k0, n, 0, x, r, reff, pair));
       Block b{};
       b.n = n;
-      b.x = s.x.data() + k0;
-      b.y = s.y.data() + k0;
-      b.z = s.z.data() + k0;
-      b.w = s.w.data() + k0;
+      b.x = x[0];
+      b.y = x[1];
+      b.z = x[2];
+      b.w = x[3];
       b.r = r;
       for (int k = 0; k < w.has.history_columns; ++k) b.h[k] = c.h[k].data() + k0;
       b.reff = reff;
@@ -65,9 +63,9 @@ void record_contacts(World& w, std::vector<ContactRecord>& out, std::vector<std:
       for (int k = 0; k < n; ++k) {
         const Row i = s.ci[static_cast<std::size_t>(k0 + k)], j = s.cj[static_cast<std::size_t>(k0 + k)];
         if (i > j) continue;  // a pair across chunks is seen by both owners
-        const Vec3 x{b.x[k], b.y[k], b.z[k]}, f{r[0][k], r[1][k], r[2][k]};
-        const double d = norm(x);
-        const Vec3 normal = (1 / d) * x;
+        const Vec3 branch{b.x[k], b.y[k], b.z[k]}, f{r[0][k], r[1][k], r[2][k]};
+        const double d = norm(branch);
+        const Vec3 normal = (1 / d) * branch;
         ContactRecord t;
         t.a = w.id[i];
         t.b = w.id[j];

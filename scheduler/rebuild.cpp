@@ -205,7 +205,24 @@ void wall_candidates(World& w, Chunk& c) {
     if (!w.is_alive(i) || (w.has.fixed && w.fixed[i] != 0)) continue;
     const std::size_t before = c.wall_element.size();
     const double skin = __builtin_sqrt(w.x0[4L * i + 3]) / (w.options.seeded_fault == 3 ? 3 : 1);
-    w.walls.candidates(w.position(i), w.p[4L * i + 3] + skin, c.wall_element);
+    // Walls have no images: where the row wraps before the next rebuild it meets the elements at the other end.
+    Vec3 shift[3];
+    int shifts[3] = {1, 1, 1};
+    for (int k = 0; k < 3; ++k) {
+      if (!w.scene.domain.periodic(k)) continue;
+      const double x = w.p[4L * i + k], margin = skin + 1e-12 * w.size[k];
+      if (x < margin) shift[shifts[k]++][k] = w.size[k];
+      if (x >= w.size[k] - margin) shift[shifts[k]++][k] = -w.size[k];
+    }
+    for (int a = 0; a < shifts[0]; ++a)
+      for (int b = 0; b < shifts[1]; ++b)
+        for (int d = 0; d < shifts[2]; ++d)
+          w.walls.candidates(w.position(i) + Vec3{shift[a].x, shift[b].y, shift[d].z}, w.p[4L * i + 3] + skin, c.wall_element);
+    if (shifts[0] * shifts[1] * shifts[2] > 1) {
+      const auto first = c.wall_element.begin() + static_cast<std::ptrdiff_t>(before);
+      std::sort(first, c.wall_element.end());
+      c.wall_element.erase(std::unique(first, c.wall_element.end()), c.wall_element.end());
+    }
     if (c.wall_element.size() == before) continue;
     c.wall_row.push_back(i);
     c.wall_begin.push_back(static_cast<std::int32_t>(before));

@@ -67,7 +67,6 @@ struct TraceEvent {
 /// Per-execution buffers of one chunk between narrow phase and integration; pooled so that they stay in cache.
 struct Scratch {
   Column<std::int32_t> ci, cj;
-  Column<double> x, y, z, w;
   Column<double> f;                       ///< force rows of the chunk
   Column<double> h[k_max_history];        ///< history of the present step, swapped with the chunk's
 };
@@ -233,6 +232,8 @@ void rebuild_lists(World& w);                              ///< skins, cells, li
 
 // --- chunk_work.cpp -----------------------------------------------------------------------------------------------
 void narrow_chunk(World& w, Chunk& c);
+GatherArgs gather_args(const World& w, const Scratch& s, std::int64_t k0, int n, int next, double (*x)[k_block + k_pad],
+                       double (*r)[k_block + k_pad], double* reff, std::int32_t* pair);  ///< block at contact k0
 void force_chunk(World& w, Chunk& c);
 void wall_chunk(World& w, Chunk& c);
 void integrate_chunk(World& w, Chunk& c);
