@@ -16,12 +16,9 @@ TALUS_INLINE void minimum_image(typename S::B& x, double half, double period) {
   x = d - S::select(S::gt(d, S::set(half)), l, zero) + S::select(S::lt(d, S::set(-half)), l, zero);
 }
 
-/// Copies the history of eight slots from the old compact order to the new one; slots that did not touch start at zero.
-TALUS_INLINE void carry_history(unsigned old_bits, unsigned new_bits, const double* from, double* to) {
-  if (old_bits == new_bits) {  // the usual case in dense beds; reads and writes up to 8, padding allows it
-    for (int k = 0; k < 8; ++k) to[k] = from[k];
-    return;
-  }
+/// History of eight slots whose touching set changed; kept out of line, or the compiler prepares it for every group.
+template <class S>
+__attribute__((noinline)) void carry_changed(unsigned old_bits, unsigned new_bits, const double* from, double* to) {
   int o = 0, n = 0;
   for (int k = 0; k < 8; ++k) {
     const unsigned was = (old_bits >> k) & 1U, is = (new_bits >> k) & 1U;
@@ -30,18 +27,32 @@ TALUS_INLINE void carry_history(unsigned old_bits, unsigned new_bits, const doub
   }
 }
 
+/// Carries one history column of eight slots from the old compact order to the new one; slots that did not touch start
+/// at zero. Reads and writes up to eight entries, the padding allows it.
 template <class S>
-void narrow(NarrowArgs& a) {
+TALUS_INLINE void carry_history(unsigned old_bits, unsigned new_bits, const double* from, double* to) {
+  if constexpr (S::W == 8) {
+    S::carry(old_bits, new_bits, from, to);
+  } else if (old_bits == new_bits) {  // the usual case in dense beds
+    for (int k = 0; k < 8; k += S::W) S::store(to + k, S::load(from + k));
+  } else {
+    carry_changed<S>(old_bits, new_bits, from, to);
+  }
+}
+
+template <class S, int History, bool Periodic>
+void narrow_slots(NarrowArgs& args) {
   using B = typename S::B;
+  const NarrowArgs a = args;  // a local copy: the stores below cannot alias it
   std::int32_t *ci = a.ci, *cj = a.cj;
-  const double* from[k_max_history];
-  double* to[k_max_history];
-  for (int k = 0; k < a.history; ++k) {
+  const double* from[History + 1];
+  double* to[History + 1];
+  for (int k = 0; k < History; ++k) {
     from[k] = a.h_old[k];
     to[k] = a.h_new[k];
   }
-  a.deep_slot = -1;
-  const B deep = S::set(a.deep);
+  std::int64_t deep_slot = -1;
+  const B deep = S::set(a.deep * a.deep);
   std::int64_t s = 0;
   for (int section = 0; section < 3; ++section) {
     for (; s < a.end[section]; s += 8) {
@@ -49,12 +60,11 @@ void narrow(NarrowArgs& a) {
       for (int k = 0; k < 8; k += S::W) {
         B d[4];
         S::pair_rows4(a.p, a.pi + s + k, a.pj + s + k, d);
-        if (a.periodic != 0)
+        if constexpr (Periodic)
           for (int c = 0; c < 3; ++c) minimum_image<S>(d[c], a.half[c], a.period[c]);
-        const B d2 = (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
-        const auto m = S::lt(d2, d[3] * d[3]);
-        const B wd = d[3] * deep;
-        if (S::any(S::lt(d2, wd * wd))) a.deep_slot = s + k;
+        const B d2 = (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2], w2 = d[3] * d[3];
+        const auto m = S::lt(d2, w2);
+        if (__builtin_expect(S::any(S::lt(d2, w2 * deep)), 0)) deep_slot = s + k;
         S::compress_index(ci, a.pi + s + k, m);
         S::compress_index(cj, a.pj + s + k, m);
         const unsigned b = S::bits(m);
@@ -66,14 +76,30 @@ void narrow(NarrowArgs& a) {
       const unsigned was = a.mask[s >> 3];
       a.mask[s >> 3] = static_cast<std::uint8_t>(bits);
       const int no = __builtin_popcount(was), nn = __builtin_popcount(bits);
-      for (int k = 0; k < a.history; ++k) {
-        carry_history(was, bits, from[k], to[k]);
+      for (int k = 0; k < History; ++k) {
+        carry_history<S>(was, bits, from[k], to[k]);
         from[k] += no;
         to[k] += nn;
       }
     }
-    a.contact_end[section] = ci - a.ci;
+    args.contact_end[section] = ci - a.ci;
   }
+  args.deep_slot = deep_slot;
+}
+
+template <class S, bool Periodic>
+void narrow_history(NarrowArgs& a) {
+  switch (a.history) {
+    case 0: return narrow_slots<S, 0, Periodic>(a);
+    case 3: return narrow_slots<S, 3, Periodic>(a);
+    default: return narrow_slots<S, 4, Periodic>(a);
+  }
+}
+
+template <class S>
+void narrow(NarrowArgs& a) {
+  if (a.periodic != 0) narrow_history<S, true>(a);
+  else narrow_history<S, false>(a);
 }
 
 /// Relative position and velocity of a block's contacts (and R*, material pair where asked for). Positions are formed again

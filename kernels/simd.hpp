@@ -438,6 +438,9 @@ struct Avx512 {
     _mm512_storeu_pd(p, _mm512_maskz_compress_pd(m, a));
     return p + __builtin_popcount(m);
   }
+  TALUS_INLINE static void carry(unsigned was, unsigned is, const double* from, double* to) {
+    _mm512_storeu_pd(to, _mm512_maskz_compress_pd(static_cast<__mmask8>(is), _mm512_maskz_expandloadu_pd(static_cast<__mmask8>(was), from)));
+  }
   TALUS_INLINE static void compress_index(std::int32_t* p, const std::int32_t* src, M m) {
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(p),
                         _mm256_maskz_compress_epi32(m, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(src))));
