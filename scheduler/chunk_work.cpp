@@ -306,6 +306,10 @@ void wall_chunk(World& w, Chunk& c) {
     b.e = e;
     LawArgs args = w.law_args;
     if (!w.has.materials) args.one = w.parameters[0];
+    // The mid-step normal of the synchronised form is that of two spheres, which turns with their chord. A wall's contact
+    // point follows the grain: the normal at n holds at n-1/2 too (exactly on a plane), and tilting it back by half the
+    // chord would press a sliding grain into the wall.
+    args.synchronised = 0;
     law(b, args);
     for (int k = 0; k < n; ++k) {
       WallState& t = c.wall_next[k0 + static_cast<std::size_t>(k)];

@@ -71,62 +71,79 @@ TALUS_INLINE void tangential_velocity(const typename S::B* v, const typename S::
   }
 }
 
+/// Denominators of the centred dashpot and what else depends on the coefficients alone; loop-invariant where the scene has
+/// one material pair and damping rates, because divisions and square roots are what bounds this kernel.
+template <class S>
+struct LinearFactors {
+  typename S::B gn, gt, shrink_n, shrink_t, back;
+  TALUS_INLINE void set(typename S::B kt, typename S::B rate_n, typename S::B rate_t, const LawArgs& a) {
+    const auto one = S::set(1.0);
+    // Tangential compliance of two rolling spheres is 7/2 of the translational one (I = 2/5 m r^2, lever r).
+    const auto grow_n = one + S::set(0.5 * a.dt) * rate_n, grow_t = one + S::set(0.5 * 3.5 * a.dt) * rate_t;
+    gn = rate_n;
+    gt = rate_t;
+    shrink_n = a.centred != 0 ? one / grow_n : one;
+    shrink_t = a.centred != 0 ? one / grow_t : one;
+    back = a.centred != 0 ? grow_t / kt : one / kt;
+  }
+};
+
 template <class S, bool Friction, bool Multi, bool Energy>
-void force(Linear, Block& b, const LawArgs& a) {
+void force(Linear, Block& b, const LawArgs& args) {
   using B = typename S::B;
+  const LawArgs a = args;
   const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt), hdt = S::set(0.5 * a.dt);
-  // Tangential compliance of two rolling spheres is 7/2 of the translational one (I = 2/5 m r^2, lever r).
-  const B hdt_t = S::set(0.5 * 3.5 * a.dt);
   Coefficients<S, Multi> c;
+  LinearFactors<S> f;
+  const bool constant = !Multi && a.by_restitution == 0;
   if constexpr (!Multi) c.load(b, a, 0);
+  if (constant) f.set(c.kt, c.gn, c.gt, a);
   for (int k = 0; k < b.n; k += S::W) {
     if constexpr (Multi) c.load(b, a, k);
     const B x[3] = {S::load(b.x + k), S::load(b.y + k), S::load(b.z + k)};
     const B v[3] = {S::load(b.r[0] + k), S::load(b.r[1] + k), S::load(b.r[2] + k)};
     const B ms = S::load(b.r[Friction ? 7 : 3] + k), w = S::load(b.w + k);
     const B d = S::sqrt((x[0] * x[0] + x[1] * x[1]) + x[2] * x[2]);
-    const B inv = one / d, meff = one / ms, delta = w - d;
+    // 1/d, m_eff = 1/ms and d/w from a single division
+    const B dw = d * w, q = one / (dw * ms), wms = w * ms;
+    const B inv = q * wms, meff = q * dw, delta = w - d;
     const B n[3] = {x[0] * inv, x[1] * inv, x[2] * inv};
     const B vn = (v[0] * n[0] + v[1] * n[1]) + v[2] * n[2];
-    B gn = c.gn, gt = c.gt;
-    if (a.by_restitution != 0) {
-      gn = c.gn * S::sqrt(c.kn * ms);
-      gt = c.gt * S::sqrt(c.kn * ms);
+    if (!constant) {
+      const B root = a.by_restitution != 0 ? S::sqrt(c.kn * ms) : one;
+      f.set(c.kt, c.gn * root, c.gt * root, a);
     }
     B fn = c.kn * delta;
-    B gn_eff = gn;
-    if (a.centred != 0) {
-      const B step = S::abs(vn) * dt;
-      const auto brief = S::lt(delta, step);
-      if (a.onset != 0 && S::any(brief)) gn_eff = S::select(brief, gn * (half + delta / step), gn);
-      fn = (fn - gn_eff * (meff * vn)) / (one + hdt * gn_eff);
+    const B step = S::abs(vn) * dt;
+    const auto brief = S::lt(delta, step);
+    if (a.centred != 0 && a.onset != 0 && S::any(brief)) {
+      const B gn = S::select(brief, f.gn * (half + delta / step), f.gn);
+      fn = (fn - gn * (meff * vn)) * (one / (one + hdt * gn));
     } else {
-      fn = fn - gn * (meff * vn);
+      fn = (fn - f.gn * (meff * vn)) * f.shrink_n;
     }
-    B f[3] = {fn * n[0], fn * n[1], fn * n[2]};
+    B force_i[3] = {fn * n[0], fn * n[1], fn * n[2]};
     if constexpr (Energy) {
       // Loss over [n-1, n] by the midpoint rule: v(n-1/2) is the mid-step velocity. The first interval counts from the
       // instant of touch, the last one to the instant of parting.
       B part = one;
-      const B step = S::abs(vn) * dt;
-      const auto brief = S::lt(delta, step);
       if (S::any(brief)) part = S::select(brief, S::select(S::lt(vn, zero), delta / step, one + delta / step), one);
       S::store(b.e[0] + k, half * (c.kn * (delta * delta)));
-      S::store(b.e[1] + k, (dt * part) * ((gn * meff) * (vn * vn)));
+      S::store(b.e[1] + k, (dt * part) * ((f.gn * meff) * (vn * vn)));
       S::store(b.e[2] + k, zero);
     }
     if constexpr (Friction) {
-      const B lever = a.contact_lever != 0 ? d / w : one;
+      const B lever = a.contact_lever != 0 ? (d * d) * (q * ms) : one;
       const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
       B t[3];
       tangential_velocity<S>(v, s, x, n, vn, a.dt, a.synchronised, t);
       B h[3] = {S::load(b.h[0] + k), S::load(b.h[1] + k), S::load(b.h[2] + k)};
       const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
-      const B gm = gt * meff, shrink = a.centred != 0 ? one / (one + hdt_t * gt) : one;
+      const B gm = f.gt * meff;
       B g[3], trial[3];
-      for (int q = 0; q < 3; ++q) {
-        h[q] = trial[q] = (h[q] - hn * n[q]) + t[q] * dt;
-        g[q] = zero - (c.kt * h[q] + gm * t[q]) * shrink;
+      for (int p = 0; p < 3; ++p) {
+        h[p] = trial[p] = (h[p] - hn * n[p]) + t[p] * dt;
+        g[p] = zero - (c.kt * h[p] + gm * t[p]) * f.shrink_t;
       }
       const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
       const B limit = c.mu * S::select(S::gt(fn, zero), fn, zero);
@@ -134,19 +151,18 @@ void force(Linear, Block& b, const LawArgs& a) {
       if (S::any(slides)) {
         // Coulomb: scale the force, and set the spring to what carries the scaled force.
         const B scale = S::select(slides, limit / S::sqrt(g2), one);
-        const B back = one / (c.kt * shrink);
-        for (int q = 0; q < 3; ++q) {
-          g[q] = g[q] * scale;
-          h[q] = S::select(slides, zero - (g[q] + (gm * shrink) * t[q]) * back, h[q]);
+        const B gs = gm * f.shrink_t;
+        for (int p = 0; p < 3; ++p) {
+          g[p] = g[p] * scale;
+          h[p] = S::select(slides, zero - (g[p] + gs * t[p]) * f.back, h[p]);
         }
       }
-      for (int q = 0; q < 3; ++q) {
-        S::store(b.h[q] + k, h[q]);
-        f[q] = f[q] + g[q];
+      for (int p = 0; p < 3; ++p) {
+        S::store(b.h[p] + k, h[p]);
+        force_i[p] = force_i[p] + g[p];
       }
       if constexpr (Energy) {
-        const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
-        const B t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
+        const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2], t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
         // the slider moves by what the trial spring exceeds the final one, against the final spring force
         const B slip = (h[0] * (trial[0] - h[0]) + h[1] * (trial[1] - h[1])) + h[2] * (trial[2] - h[2]);
         S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (c.kt * h2));
@@ -159,9 +175,9 @@ void force(Linear, Block& b, const LawArgs& a) {
       S::store(b.r[6] + k, lever * (n[1] * g[0] - n[0] * g[1]));
       S::store(b.r[7] + k, zero);
     }
-    S::store(b.r[0] + k, f[0]);
-    S::store(b.r[1] + k, f[1]);
-    S::store(b.r[2] + k, f[2]);
+    S::store(b.r[0] + k, force_i[0]);
+    S::store(b.r[1] + k, force_i[1]);
+    S::store(b.r[2] + k, force_i[2]);
     S::store(b.r[3] + k, c.kn);
   }
 }
