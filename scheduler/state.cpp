@@ -133,6 +133,15 @@ void make_chunks(World& w) {
     w.chunks.push_back(std::make_unique<Chunk>());
     w.chunks.back()->index = static_cast<int>(w.chunks.size()) - 1;
   }
+  for (std::size_t k = static_cast<std::size_t>(count); k < w.chunks.size(); ++k) {  // keep the times of chunks that go
+    const Chunk& c = *w.chunks[k];
+    for (int q = 0; q < static_cast<int>(Node::count); ++q) {
+      if (static_cast<Node>(q) == Node::rebuild) continue;  // counted by the serial node
+      w.serial.seconds[q] += c.seconds[q];
+      w.serial.calls[q] += c.calls[q];
+    }
+    w.serial.trace.insert(w.serial.trace.end(), c.trace.begin(), c.trace.end());
+  }
   w.chunks.resize(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) {
     Chunk& c = *w.chunks[static_cast<std::size_t>(k)];
