@@ -48,7 +48,7 @@ void force(HertzMindlin, Block& b, const LawArgs& a) {
       const B lever = a.contact_lever != 0 ? d / w : one;
       const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
       B t[3];
-      tangential_velocity<S>(v, s, x, n, vn, a.dt, a.synchronised, t);
+      tangential_velocity<S>(v, s, n, vn, inv, a.dt, a.synchronised, t);
       const B last = S::load(b.h[3] + k), st = c.kt * radius, ct = c.gt * S::sqrt(st / ms);
       B h[3] = {S::load(b.h[0] + k), S::load(b.h[1] + k), S::load(b.h[2] + k)};
       const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
