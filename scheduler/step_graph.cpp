@@ -153,6 +153,7 @@ void insert_step(World& w) {
           w.fixed[i] = 1;
           break;
         case Event::Action::release:
+          if (!w.has.fixed) break;  // nothing was ever held: there is no such column
           v[w.stride - 1] = 1.0 / w.mass(i);
           w.fixed[i] = 0;
           break;
