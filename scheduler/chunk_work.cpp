@@ -239,12 +239,11 @@ void wall_chunk(World& w, Chunk& c) {
   WallContact found[WallSet::k_max_contacts];
   std::int32_t from[WallSet::k_max_contacts];
   std::size_t old = 0;
-  const Vec3 lower = w.scene.domain.lower;
   for (std::size_t q = 0; q + 1 < c.wall_begin.size(); ++q) {
     const Row i = c.wall_row[q];
     const double* x = w.p.data() + 4L * i;
     if (!(x[0] < 1e100)) continue;
-    const Vec3 centre{x[0] + lower.x, x[1] + lower.y, x[2] + lower.z};
+    const Vec3 centre{x[0], x[1], x[2]};
     const std::span<const std::int32_t> elements(c.wall_element.data() + c.wall_begin[q],
                                                  static_cast<std::size_t>(c.wall_begin[q + 1] - c.wall_begin[q]));
     const int n = w.walls.contacts(centre, x[3], elements, found);

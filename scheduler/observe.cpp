@@ -210,6 +210,8 @@ Frame frame_of(World& w, const FrameRequest& q) {
   if (w.has.walls && q.walls) {
     w.walls.set_step(w.step, w.scene.dt);
     f.walls = w.walls.surfaces();
+    for (WallSurface& s : f.walls)
+      for (Vec3& at : s.points) at = at + w.scene.domain.lower;
   }
   if (w.has.walls && q.wall_loads) {
     f.wall_loads.resize(static_cast<std::size_t>(w.walls.size()));
@@ -253,8 +255,9 @@ std::int64_t audit_lists(const World& w) {
       // every element within reach now must be among the row's candidates
       std::vector<std::int32_t> all;
       WallContact near[WallSet::k_max_contacts];
-      w.walls.candidates(w.position(i), w.p[4L * i + 3], all);
-      const int n = all.empty() ? 0 : w.walls.contacts(w.position(i), w.p[4L * i + 3], all, near);
+      const Vec3 centre{w.p[4L * i], w.p[4L * i + 1], w.p[4L * i + 2]};
+      w.walls.candidates(centre, w.p[4L * i + 3], all);
+      const int n = all.empty() ? 0 : w.walls.contacts(centre, w.p[4L * i + 3], all, near);
       const Chunk& c = *w.chunks[static_cast<std::size_t>(w.chunk_of(i))];
       const auto at = std::lower_bound(c.wall_row.begin(), c.wall_row.end(), i);
       const bool has = at != c.wall_row.end() && *at == i;

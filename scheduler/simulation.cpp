@@ -75,7 +75,13 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
                   "side " + std::to_string(w.size[k]) + ", largest diameter " + std::to_string(2 * w.r_max));
   double reach = 0;
   for (const double r : {w.r_min, w.r_max}) reach = fmax2(reach, r + w.skin(r, 1e30, 0));
-  w.walls = WallSet(w.scene, reach + 0.5 * w.r_min);
+  // Walls live in the frame of the stored positions: a scene keeps its bits wherever its domain lies (DESIGN 2).
+  Scene local = w.scene;
+  local.domain.lower = {};
+  local.domain.upper = w.size;
+  for (WallSpec& s : local.walls)
+    for (Vec3* at : {&s.point, &s.lower, &s.upper, &s.shift, &s.motion.rotation_origin}) *at = *at - scene.domain.lower;
+  w.walls = WallSet(local, reach + 0.5 * w.r_min);
   h.walls = w.walls.size() > 0;
   h.moving_walls = h.walls && w.walls.any_moving();
 }

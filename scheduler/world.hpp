@@ -175,7 +175,7 @@ struct World {
   std::vector<std::int32_t> cell_start, pencil_rank;
   std::int32_t cells[3] = {0, 0, 0};
 
-  WallSet walls;
+  WallSet walls;                           ///< positions relative to the domain's lower corner, like p
   std::unique_ptr<Insertion> insertion;
   std::size_t next_event = 0;
   double unstable_limit = 0;               ///< bound on row sum / mass [1/s2]
