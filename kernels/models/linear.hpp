@@ -163,8 +163,10 @@ void force(Linear, Block& b, const LawArgs& args) {
       }
       if constexpr (Energy) {
         const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2], t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
-        // the slider moves by what the trial spring exceeds the final one, against the final spring force
-        const B slip = (h[0] * (trial[0] - h[0]) + h[1] * (trial[1] - h[1])) + h[2] * (trial[2] - h[2]);
+        // the slider moves by what the trial spring exceeds the final one, against the mean of the spring's force before and
+        // after the step (a Coulomb limit that falls releases a loaded spring within few steps)
+        B slip = zero;
+        for (int p = 0; p < 3; ++p) slip = slip + (half * ((trial[p] - t[p] * dt) + h[p])) * (trial[p] - h[p]);
         S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (c.kt * h2));
         S::store(b.e[1] + k, S::load(b.e[1] + k) + dt * (gm * t2));
         S::store(b.e[2] + k, c.kt * slip);
