@@ -11,12 +11,12 @@ namespace talus {
 /// Parameters of the skin rule, fixed for one rebuild.
 struct SkinRule {
   ListPolicy policy = ListPolicy::local;
-  double k_dt = 0;           ///< K * dt [s]
+  double k_dt = 0;  ///< K * dt [s]
   bool floor_on = true, acceleration_on = true, cap_on = true;
-  double floor = 0;          ///< of the particle's diameter
-  double cell_edge = 0;      ///< nominal cell edge L_C [m] of the cap
-  double largest = 0;        ///< hard limit of R_NL [m]: L/4 on the shortest periodic axis
-  double uniform = 0;        ///< uniform skin [m]
+  double floor = 0;      ///< of the particle's diameter
+  double cell_edge = 0;  ///< nominal cell edge L_C [m] of the cap
+  double largest = 0;    ///< hard limit of R_NL [m]: L/4 on the shortest periodic axis
+  double uniform = 0;    ///< uniform skin [m]
 
   SkinRule() = default;
   /// `r_min`, `r_max`: radii of the scene [m].
@@ -41,8 +41,11 @@ struct SkinRule {
   double operator()(double r, double v, double a) const {
     double s = 0;
     switch (policy) {
-      case ListPolicy::always: return 0;
-      case ListPolicy::uniform: s = uniform; break;
+      case ListPolicy::always:
+        return 0;
+      case ListPolicy::uniform:
+        s = uniform;
+        break;
       case ListPolicy::paper:
       case ListPolicy::local:
         s = k_dt * v;

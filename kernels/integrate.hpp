@@ -34,7 +34,8 @@ void integrate_rows(IntegrateArgs& args) {
   const IntegrateArgs a = args;  // a local copy: stores through p2 and v2 cannot alias it
   constexpr long rows = Rotation ? 8 : 4;
   alignas(64) const double mult_rows[8] = {a.kick, a.kick, a.kick, 0, 2.5 * a.kick, 2.5 * a.kick, 2.5 * a.kick, 0};
-  alignas(64) const double grav_rows[8] = {a.kick * a.gravity[0], a.kick * a.gravity[1], a.kick * a.gravity[2], 0, 0, 0, 0, 0};
+  alignas(64)
+      const double grav_rows[8] = {a.kick * a.gravity[0], a.kick * a.gravity[1], a.kick * a.gravity[2], 0, 0, 0, 0, 0};
   alignas(32) const double step[4] = {a.dt, a.dt, a.dt, 0}, nothing[4] = {0, 0, 0, -1e300};
   alignas(32) const double down[4] = {-a.half[0], -a.half[1], -a.half[2], -a.half[3]};
   const auto dt = S::load4(step), upper = S::load4(a.upper), wrap = S::load4(a.wrap), half = S::load4(a.half);
@@ -93,8 +94,10 @@ void integrate_rows(IntegrateArgs& args) {
 
 template <class S, bool Rotation>
 void integrate(IntegrateArgs& a) {
-  if (a.viscous != 0 || a.local != 0) integrate_rows<S, Rotation, true>(a);
-  else integrate_rows<S, Rotation, false>(a);
+  if (a.viscous != 0 || a.local != 0)
+    integrate_rows<S, Rotation, true>(a);
+  else
+    integrate_rows<S, Rotation, false>(a);
 }
 
 }  // namespace talus::kernels

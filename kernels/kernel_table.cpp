@@ -22,19 +22,26 @@ constexpr LawInfo k_laws[] = {
 bool supported(Isa isa) {
   switch (isa) {
     case Isa::avx512:
-      return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
-             __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("bmi2");
-    case Isa::avx2: return __builtin_cpu_supports("avx2");
-    default: return true;
+      return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+             __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+             __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("bmi2");
+    case Isa::avx2:
+      return __builtin_cpu_supports("avx2");
+    default:
+      return true;
   }
 }
 
 const KernelTable& table(Isa isa) {
   switch (isa) {
-    case Isa::avx512: return k_table_avx512;
-    case Isa::avx2: return k_table_avx2;
-    case Isa::sse2: return k_table_sse2;
-    default: return k_table_scalar;
+    case Isa::avx512:
+      return k_table_avx512;
+    case Isa::avx2:
+      return k_table_avx2;
+    case Isa::sse2:
+      return k_table_sse2;
+    default:
+      return k_table_scalar;
   }
 }
 
@@ -48,11 +55,16 @@ const LawInfo& law_info(ContactModel model) {
 
 const char* isa_name(Isa isa) noexcept {
   switch (isa) {
-    case Isa::scalar: return "scalar";
-    case Isa::sse2: return "sse2";
-    case Isa::avx2: return "avx2";
-    case Isa::avx512: return "avx512";
-    default: return "automatic";
+    case Isa::scalar:
+      return "scalar";
+    case Isa::sse2:
+      return "sse2";
+    case Isa::avx2:
+      return "avx2";
+    case Isa::avx512:
+      return "avx512";
+    default:
+      return "automatic";
   }
 }
 
@@ -60,7 +72,8 @@ Isa parse_isa(const std::string& name) {
   for (Isa i : {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512})
     if (name == isa_name(i)) return i;
   if (name == "auto" || name == "automatic" || name.empty()) return Isa::automatic;
-  throw Error(ErrorCode::usage, "unknown instruction set '" + name + "'", "--isa", "allowed: scalar, sse2, avx2, avx512");
+  throw Error(ErrorCode::usage, "unknown instruction set '" + name + "'", "--isa",
+              "allowed: scalar, sse2, avx2, avx512");
 }
 
 std::vector<Isa> available_isas() {

@@ -13,8 +13,8 @@ namespace talus {
 struct LawInfo {
   ContactModel model;
   const char* name;
-  int slot;          ///< first of its eight variants in KernelTable::law
-  int history;       ///< columns with friction (none without)
+  int slot;     ///< first of its eight variants in KernelTable::law
+  int history;  ///< columns with friction (none without)
   bool wants_reff;
 };
 const LawInfo& law_info(ContactModel model);

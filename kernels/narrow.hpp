@@ -1,6 +1,6 @@
 // Narrow phase: exact touch test of candidate pairs, compaction of the touching ones, history carry-over.
-// Instantiated by isa_*.cpp. Invariants: I3 (contacts keep the order of the candidates), I5 (history of a pair that does
-// not touch is dropped here).
+// Instantiated by isa_*.cpp. Invariants: I3 (contacts keep the order of the candidates), I5 (history of a pair that
+// does not touch is dropped here).
 #pragma once
 
 #include "kernels/simd.hpp"
@@ -90,20 +90,26 @@ void narrow_slots(NarrowArgs& args) {
 template <class S, bool Periodic>
 void narrow_history(NarrowArgs& a) {
   switch (a.history) {
-    case 0: return narrow_slots<S, 0, Periodic>(a);
-    case 3: return narrow_slots<S, 3, Periodic>(a);
-    default: return narrow_slots<S, 4, Periodic>(a);
+    case 0:
+      return narrow_slots<S, 0, Periodic>(a);
+    case 3:
+      return narrow_slots<S, 3, Periodic>(a);
+    default:
+      return narrow_slots<S, 4, Periodic>(a);
   }
 }
 
 template <class S>
 void narrow(NarrowArgs& a) {
-  if (a.periodic != 0) narrow_history<S, true>(a);
-  else narrow_history<S, false>(a);
+  if (a.periodic != 0)
+    narrow_history<S, true>(a);
+  else
+    narrow_history<S, false>(a);
 }
 
-/// Relative position and velocity of a block's contacts (and R*, material pair where asked for). Positions are formed again
-/// here: storing them compacted in the narrow phase costs more (unaligned 64-byte stores) than two more row loads.
+/// Relative position and velocity of a block's contacts (and R*, material pair where asked for). Positions are formed
+/// again here: storing them compacted in the narrow phase costs more (unaligned 64-byte stores) than two more row
+/// loads.
 template <class S, bool Rotation>
 void gather(const GatherArgs& a) {
   using B = typename S::B;
@@ -118,8 +124,10 @@ void gather(const GatherArgs& a) {
     if (a.periodic != 0)
       for (int c = 0; c < 3; ++c) minimum_image<S>(d[c], a.half[c], a.period[c]);
     for (int c = 0; c < 4; ++c) S::store(a.x[c] + k, d[c]);
-    if constexpr (Rotation) S::pair_rows8(a.v, a.i + k, a.j + k, r);
-    else S::pair_rows4(a.v, a.i + k, a.j + k, r);
+    if constexpr (Rotation)
+      S::pair_rows8(a.v, a.i + k, a.j + k, r);
+    else
+      S::pair_rows4(a.v, a.i + k, a.j + k, r);
     for (int c = 0; c < rows; ++c) S::store(a.r[c] + k, r[c]);
   }
   for (int k = a.n; k < (a.n + 7) / 8 * 8; ++k) {  // padding lanes: a harmless distant pair
@@ -146,8 +154,10 @@ void scatter(const ScatterArgs& a) {
     for (int c = 0; c < rows; ++c) r[c] = S::load(a.r[c] + k);
     bool both[S::W];
     for (int q = 0; q < S::W; ++q) both[q] = k + q >= a.both_from && k + q < a.both_to;
-    if constexpr (Rotation) S::scatter8(a.f, a.i + k, a.j + k, r, both);
-    else S::scatter4(a.f, a.i + k, a.j + k, r, both);
+    if constexpr (Rotation)
+      S::scatter8(a.f, a.i + k, a.j + k, r, both);
+    else
+      S::scatter4(a.f, a.i + k, a.j + k, r, both);
   }
   for (; k < a.n; ++k) {
     double* fa = a.f + static_cast<long>(rows) * a.i[k];

@@ -1,8 +1,8 @@
-// Broad phase: linked-cell search of one chunk's rows. Cells are ordered as Morton-ranked pencils of x-contiguous cells,
-// so the 27-cell stencil is 9 contiguous ranges that are tested in place, F float lanes at a time (copying 27 cells'
-// candidates together first, as the prototype did, costs more than the tests themselves).
-// The float32 reaches are inflated by the caller by a bound of all roundings, so no pair within reach is lost (I1).
-// Rows leave sorted by storage index (I3), split at the chunk's borders into three sections (I8).
+// Broad phase: linked-cell search of one chunk's rows. Cells are ordered as Morton-ranked pencils of x-contiguous
+// cells, so the 27-cell stencil is 9 contiguous ranges that are tested in place, F float lanes at a time (copying 27
+// cells' candidates together first, as the prototype did, costs more than the tests themselves). The float32 reaches
+// are inflated by the caller by a bound of all roundings, so no pair within reach is lost (I1). Rows leave sorted by
+// storage index (I3), split at the chunk's borders into three sections (I8).
 #pragma once
 
 #include "kernels/simd.hpp"
@@ -12,8 +12,8 @@ namespace talus::kernels {
 
 /// Appends the rows of sorted positions [from, to) within reach that are > i or in a lower chunk (< lo).
 template <class S>
-TALUS_INLINE int search_range(const SearchArgs& a, std::int32_t from, std::int32_t to, float px, float py, float pz, float pr,
-                              std::int32_t i, std::int32_t* out) {
+TALUS_INLINE int search_range(const SearchArgs& a, std::int32_t from, std::int32_t to, float px, float py, float pz,
+                              float pr, std::int32_t i, std::int32_t* out) {
   int n = 0;
   for (std::int32_t k = from; k < to; k += S::F) {
     unsigned m = S::reach(px, py, pz, pr, a.x + k, a.y + k, a.z + k, a.r + k);
@@ -84,7 +84,8 @@ void search_rows(SearchArgs& a) {
               full = true;
               break;
             }
-            n += search_range<S>(a, qf, qt, px + (side == 0 ? a.period[0] : -a.period[0]), py + oy, pz + oz, pr, i, a.scratch + n);
+            n += search_range<S>(a, qf, qt, px + (side == 0 ? a.period[0] : -a.period[0]), py + oy, pz + oz, pr, i,
+                                 a.scratch + n);
           }
         }
       }

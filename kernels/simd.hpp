@@ -59,7 +59,8 @@ struct Scalar {
     if (m) *p = *src;
   }
   /// Adds W force rows of 8 (or 4) lanes to rows of f; `plus` rows get +, `minus` rows get the partner's sign.
-  TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) {
+  TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r,
+                                    const bool* both) {
     double* fa = f + 8L * a[0];
     for (int k = 0; k < 8; ++k) fa[k] = fa[k] + r[k].v;
     if (both[0]) {
@@ -68,7 +69,8 @@ struct Scalar {
       for (int k = 3; k < 8; ++k) fb[k] = fb[k] + r[k].v;
     }
   }
-  TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) {
+  TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r,
+                                    const bool* both) {
     double* fa = f + 4L * a[0];
     for (int k = 0; k < 4; ++k) fa[k] = fa[k] + r[k].v;
     if (both[0]) {
@@ -84,33 +86,77 @@ struct Scalar {
   struct R8 {
     double v[8];
   };
-#define TALUS_ROW_OP(R, N, OP)                                 \
-  TALUS_INLINE friend R operator OP(const R& a, const R& b) {  \
-    R c;                                                       \
-    for (int k = 0; k < N; ++k) c.v[k] = a.v[k] OP b.v[k];     \
-    return c;                                                  \
+#define TALUS_ROW_OP(R, N, OP)                                \
+  TALUS_INLINE friend R operator OP(const R& a, const R& b) { \
+    R c;                                                      \
+    for (int k = 0; k < N; ++k) c.v[k] = a.v[k] OP b.v[k];    \
+    return c;                                                 \
   }
-  TALUS_INLINE static R4 add4(const R4& a, const R4& b) { R4 c; for (int k = 0; k < 4; ++k) c.v[k] = a.v[k] + b.v[k]; return c; }
-  TALUS_INLINE static R4 sub4(const R4& a, const R4& b) { R4 c; for (int k = 0; k < 4; ++k) c.v[k] = a.v[k] - b.v[k]; return c; }
-  TALUS_INLINE static R4 mul4(const R4& a, const R4& b) { R4 c; for (int k = 0; k < 4; ++k) c.v[k] = a.v[k] * b.v[k]; return c; }
-  TALUS_INLINE static R4 load4(const double* p) { R4 c; for (int k = 0; k < 4; ++k) c.v[k] = p[k]; return c; }
-  TALUS_INLINE static void store4(double* p, const R4& a) { for (int k = 0; k < 4; ++k) p[k] = a.v[k]; }
+  TALUS_INLINE static R4 add4(const R4& a, const R4& b) {
+    R4 c;
+    for (int k = 0; k < 4; ++k) c.v[k] = a.v[k] + b.v[k];
+    return c;
+  }
+  TALUS_INLINE static R4 sub4(const R4& a, const R4& b) {
+    R4 c;
+    for (int k = 0; k < 4; ++k) c.v[k] = a.v[k] - b.v[k];
+    return c;
+  }
+  TALUS_INLINE static R4 mul4(const R4& a, const R4& b) {
+    R4 c;
+    for (int k = 0; k < 4; ++k) c.v[k] = a.v[k] * b.v[k];
+    return c;
+  }
+  TALUS_INLINE static R4 load4(const double* p) {
+    R4 c;
+    for (int k = 0; k < 4; ++k) c.v[k] = p[k];
+    return c;
+  }
+  TALUS_INLINE static void store4(double* p, const R4& a) {
+    for (int k = 0; k < 4; ++k) p[k] = a.v[k];
+  }
   TALUS_INLINE static R4 set4(double a) { return {{a, a, a, a}}; }
-  TALUS_INLINE static unsigned lt4(const R4& a, const R4& b) { unsigned m = 0; for (int k = 0; k < 4; ++k) m |= (a.v[k] < b.v[k] ? 1U : 0U) << k; return m; }
-  TALUS_INLINE static R4 and4(const R4& a, unsigned m) { R4 c; for (int k = 0; k < 4; ++k) c.v[k] = (m >> k) & 1U ? a.v[k] : 0.0; return c; }
-  TALUS_INLINE static R8 add8(const R8& a, const R8& b) { R8 c; for (int k = 0; k < 8; ++k) c.v[k] = a.v[k] + b.v[k]; return c; }
-  TALUS_INLINE static R8 mul8(const R8& a, const R8& b) { R8 c; for (int k = 0; k < 8; ++k) c.v[k] = a.v[k] * b.v[k]; return c; }
-  TALUS_INLINE static R8 load8(const double* p) { R8 c; for (int k = 0; k < 8; ++k) c.v[k] = p[k]; return c; }
-  TALUS_INLINE static void store8(double* p, const R8& a) { for (int k = 0; k < 8; ++k) p[k] = a.v[k]; }
-  TALUS_INLINE static R8 set8(double a) { R8 c; for (int k = 0; k < 8; ++k) c.v[k] = a; return c; }
+  TALUS_INLINE static unsigned lt4(const R4& a, const R4& b) {
+    unsigned m = 0;
+    for (int k = 0; k < 4; ++k) m |= (a.v[k] < b.v[k] ? 1U : 0U) << k;
+    return m;
+  }
+  TALUS_INLINE static R4 and4(const R4& a, unsigned m) {
+    R4 c;
+    for (int k = 0; k < 4; ++k) c.v[k] = (m >> k) & 1U ? a.v[k] : 0.0;
+    return c;
+  }
+  TALUS_INLINE static R8 add8(const R8& a, const R8& b) {
+    R8 c;
+    for (int k = 0; k < 8; ++k) c.v[k] = a.v[k] + b.v[k];
+    return c;
+  }
+  TALUS_INLINE static R8 mul8(const R8& a, const R8& b) {
+    R8 c;
+    for (int k = 0; k < 8; ++k) c.v[k] = a.v[k] * b.v[k];
+    return c;
+  }
+  TALUS_INLINE static R8 load8(const double* p) {
+    R8 c;
+    for (int k = 0; k < 8; ++k) c.v[k] = p[k];
+    return c;
+  }
+  TALUS_INLINE static void store8(double* p, const R8& a) {
+    for (int k = 0; k < 8; ++k) p[k] = a.v[k];
+  }
+  TALUS_INLINE static R8 set8(double a) {
+    R8 c;
+    for (int k = 0; k < 8; ++k) c.v[k] = a;
+    return c;
+  }
   TALUS_INLINE static R4 low4(const R8& a) { return {{a.v[0], a.v[1], a.v[2], a.v[3]}}; }
   /// (x*x + y*y) + z*z of lanes 0..2.
   TALUS_INLINE static double norm3(const R4& a) { return (a.v[0] * a.v[0] + a.v[1] * a.v[1]) + a.v[2] * a.v[2]; }
   // Pair search in float32, F lanes.
   static constexpr int F = 1;
   /// Bit k set where candidate k (of up to F) lies within the summed reach: |x - q|^2 < (r + q_r)^2.
-  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy, const float* qz,
-                                     const float* qr) {
+  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy,
+                                     const float* qz, const float* qr) {
     const float dx = x - *qx, dy = y - *qy, dz = z - *qz, s = r + *qr;
     return (dx * dx + dy * dy) + dz * dz < s * s ? 1U : 0U;
   }
@@ -153,9 +199,11 @@ struct Sse2 {
   TALUS_INLINE static void pair_rows8(const double* p, const std::int32_t* a, const std::int32_t* b, B* o) {
     const double *a0 = p + 8L * a[0], *a1 = p + 8L * a[1], *b0 = p + 8L * b[0], *b1 = p + 8L * b[1];
     for (int k = 0; k < 4; k += 2)
-      two(_mm_sub_pd(_mm_load_pd(a0 + k), _mm_load_pd(b0 + k)), _mm_sub_pd(_mm_load_pd(a1 + k), _mm_load_pd(b1 + k)), o + k);
+      two(_mm_sub_pd(_mm_load_pd(a0 + k), _mm_load_pd(b0 + k)), _mm_sub_pd(_mm_load_pd(a1 + k), _mm_load_pd(b1 + k)),
+          o + k);
     for (int k = 4; k < 8; k += 2)
-      two(_mm_add_pd(_mm_load_pd(a0 + k), _mm_load_pd(b0 + k)), _mm_add_pd(_mm_load_pd(a1 + k), _mm_load_pd(b1 + k)), o + k);
+      two(_mm_add_pd(_mm_load_pd(a0 + k), _mm_load_pd(b0 + k)), _mm_add_pd(_mm_load_pd(a1 + k), _mm_load_pd(b1 + k)),
+          o + k);
   }
   TALUS_INLINE static double* compress(double* p, B a, M m) {
     const unsigned k = bits(m);
@@ -178,7 +226,8 @@ struct Sse2 {
     }
   }
   template <int N>
-  TALUS_INLINE static void scatter(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) {
+  TALUS_INLINE static void scatter(double* f, const std::int32_t* a, const std::int32_t* b, const B* r,
+                                   const bool* both) {
     __m128d row0[N / 2], row1[N / 2];
     for (int k = 0; k < N / 2; ++k) {
       row0[k] = _mm_unpacklo_pd(r[2 * k], r[2 * k + 1]);
@@ -189,48 +238,85 @@ struct Sse2 {
     add_row(f + static_cast<long>(N) * a[1], row1, N / 2, false);
     if (both[1]) add_row(f + static_cast<long>(N) * b[1], row1, N / 2, true);
   }
-  TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) { scatter<8>(f, a, b, r, both); }
-  TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) { scatter<4>(f, a, b, r, both); }
+  TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r,
+                                    const bool* both) {
+    scatter<8>(f, a, b, r, both);
+  }
+  TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r,
+                                    const bool* both) {
+    scatter<4>(f, a, b, r, both);
+  }
   struct R4 {
     __m128d v[2];
   };
   struct R8 {
     __m128d v[4];
   };
-  TALUS_INLINE static R4 add4(const R4& a, const R4& b) { return {{_mm_add_pd(a.v[0], b.v[0]), _mm_add_pd(a.v[1], b.v[1])}}; }
-  TALUS_INLINE static R4 sub4(const R4& a, const R4& b) { return {{_mm_sub_pd(a.v[0], b.v[0]), _mm_sub_pd(a.v[1], b.v[1])}}; }
-  TALUS_INLINE static R4 mul4(const R4& a, const R4& b) { return {{_mm_mul_pd(a.v[0], b.v[0]), _mm_mul_pd(a.v[1], b.v[1])}}; }
+  TALUS_INLINE static R4 add4(const R4& a, const R4& b) {
+    return {{_mm_add_pd(a.v[0], b.v[0]), _mm_add_pd(a.v[1], b.v[1])}};
+  }
+  TALUS_INLINE static R4 sub4(const R4& a, const R4& b) {
+    return {{_mm_sub_pd(a.v[0], b.v[0]), _mm_sub_pd(a.v[1], b.v[1])}};
+  }
+  TALUS_INLINE static R4 mul4(const R4& a, const R4& b) {
+    return {{_mm_mul_pd(a.v[0], b.v[0]), _mm_mul_pd(a.v[1], b.v[1])}};
+  }
   TALUS_INLINE static R4 load4(const double* p) { return {{_mm_load_pd(p), _mm_load_pd(p + 2)}}; }
-  TALUS_INLINE static void store4(double* p, const R4& a) { _mm_store_pd(p, a.v[0]); _mm_store_pd(p + 2, a.v[1]); }
+  TALUS_INLINE static void store4(double* p, const R4& a) {
+    _mm_store_pd(p, a.v[0]);
+    _mm_store_pd(p + 2, a.v[1]);
+  }
   TALUS_INLINE static R4 set4(double a) { return {{_mm_set1_pd(a), _mm_set1_pd(a)}}; }
   TALUS_INLINE static unsigned lt4(const R4& a, const R4& b) {
-    return static_cast<unsigned>(_mm_movemask_pd(_mm_cmplt_pd(a.v[0], b.v[0])) | _mm_movemask_pd(_mm_cmplt_pd(a.v[1], b.v[1])) << 2);
+    return static_cast<unsigned>(_mm_movemask_pd(_mm_cmplt_pd(a.v[0], b.v[0])) |
+                                 _mm_movemask_pd(_mm_cmplt_pd(a.v[1], b.v[1])) << 2);
   }
   TALUS_INLINE static R4 and4(const R4& a, unsigned m) {
     alignas(16) double t[4];
     store4(t, a);
-    for (int k = 0; k < 4; ++k) if (!((m >> k) & 1U)) t[k] = 0.0;
+    for (int k = 0; k < 4; ++k)
+      if (!((m >> k) & 1U)) t[k] = 0.0;
     return load4(t);
   }
-  TALUS_INLINE static R8 add8(const R8& a, const R8& b) { R8 c; for (int k = 0; k < 4; ++k) c.v[k] = _mm_add_pd(a.v[k], b.v[k]); return c; }
-  TALUS_INLINE static R8 mul8(const R8& a, const R8& b) { R8 c; for (int k = 0; k < 4; ++k) c.v[k] = _mm_mul_pd(a.v[k], b.v[k]); return c; }
-  TALUS_INLINE static R8 load8(const double* p) { R8 c; for (int k = 0; k < 4; ++k) c.v[k] = _mm_load_pd(p + 2 * k); return c; }
-  TALUS_INLINE static void store8(double* p, const R8& a) { for (int k = 0; k < 4; ++k) _mm_store_pd(p + 2 * k, a.v[k]); }
-  TALUS_INLINE static R8 set8(double a) { R8 c; for (int k = 0; k < 4; ++k) c.v[k] = _mm_set1_pd(a); return c; }
+  TALUS_INLINE static R8 add8(const R8& a, const R8& b) {
+    R8 c;
+    for (int k = 0; k < 4; ++k) c.v[k] = _mm_add_pd(a.v[k], b.v[k]);
+    return c;
+  }
+  TALUS_INLINE static R8 mul8(const R8& a, const R8& b) {
+    R8 c;
+    for (int k = 0; k < 4; ++k) c.v[k] = _mm_mul_pd(a.v[k], b.v[k]);
+    return c;
+  }
+  TALUS_INLINE static R8 load8(const double* p) {
+    R8 c;
+    for (int k = 0; k < 4; ++k) c.v[k] = _mm_load_pd(p + 2 * k);
+    return c;
+  }
+  TALUS_INLINE static void store8(double* p, const R8& a) {
+    for (int k = 0; k < 4; ++k) _mm_store_pd(p + 2 * k, a.v[k]);
+  }
+  TALUS_INLINE static R8 set8(double a) {
+    R8 c;
+    for (int k = 0; k < 4; ++k) c.v[k] = _mm_set1_pd(a);
+    return c;
+  }
   TALUS_INLINE static R4 low4(const R8& a) { return {{a.v[0], a.v[1]}}; }
   TALUS_INLINE static double norm3(const R4& a) {
     const __m128d q = _mm_mul_pd(a.v[0], a.v[0]);
     return (_mm_cvtsd_f64(q) + _mm_cvtsd_f64(_mm_unpackhi_pd(q, q))) + _mm_cvtsd_f64(_mm_mul_sd(a.v[1], a.v[1]));
   }
   static constexpr int F = 4;
-  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy, const float* qz, const float* qr) {
+  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy,
+                                     const float* qz, const float* qr) {
     const __m128 dx = _mm_sub_ps(_mm_set1_ps(x), _mm_loadu_ps(qx)), dy = _mm_sub_ps(_mm_set1_ps(y), _mm_loadu_ps(qy));
     const __m128 dz = _mm_sub_ps(_mm_set1_ps(z), _mm_loadu_ps(qz)), s = _mm_add_ps(_mm_set1_ps(r), _mm_loadu_ps(qr));
     const __m128 d2 = _mm_add_ps(_mm_add_ps(_mm_mul_ps(dx, dx), _mm_mul_ps(dy, dy)), _mm_mul_ps(dz, dz));
     return static_cast<unsigned>(_mm_movemask_ps(_mm_cmplt_ps(d2, _mm_mul_ps(s, s))));
   }
   TALUS_INLINE static unsigned index_gt(const std::int32_t* j, std::int32_t i) {
-    return static_cast<unsigned>(_mm_movemask_ps(_mm_castsi128_ps(_mm_cmpgt_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(j)), _mm_set1_epi32(i)))));
+    return static_cast<unsigned>(_mm_movemask_ps(
+        _mm_castsi128_ps(_mm_cmpgt_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(j)), _mm_set1_epi32(i)))));
   }
   TALUS_INLINE static int compress_i32(std::int32_t* out, const std::int32_t* src, unsigned m) {
     int n = 0;
@@ -268,7 +354,8 @@ struct Avx2 {
   TALUS_INLINE static void pair_rows4(const double* p, const std::int32_t* a, const std::int32_t* b, B* o) {
     const __m256d s = _mm256_set_pd(-0.0, 0.0, 0.0, 0.0);
     __m256d r[4];
-    for (int k = 0; k < 4; ++k) r[k] = _mm256_sub_pd(_mm256_load_pd(p + 4L * a[k]), _mm256_xor_pd(_mm256_load_pd(p + 4L * b[k]), s));
+    for (int k = 0; k < 4; ++k)
+      r[k] = _mm256_sub_pd(_mm256_load_pd(p + 4L * a[k]), _mm256_xor_pd(_mm256_load_pd(p + 4L * b[k]), s));
     transpose(r[0], r[1], r[2], r[3]);
     for (int k = 0; k < 4; ++k) o[k] = r[k];
   }
@@ -304,7 +391,8 @@ struct Avx2 {
   TALUS_INLINE static void compress_index(std::int32_t* p, const std::int32_t* src, M m) {
     for (unsigned k = bits(m); k != 0; k &= k - 1) *p++ = src[__builtin_ctz(k)];
   }
-  TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) {
+  TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r,
+                                    const bool* both) {
     __m256d p[4] = {r[0], r[1], r[2], r[3]}, q[4] = {r[4], r[5], r[6], r[7]};
     transpose(p[0], p[1], p[2], p[3]);
     transpose(q[0], q[1], q[2], q[3]);
@@ -320,7 +408,8 @@ struct Avx2 {
       }
     }
   }
-  TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) {
+  TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r,
+                                    const bool* both) {
     __m256d p[4] = {r[0], r[1], r[2], r[3]};
     transpose(p[0], p[1], p[2], p[3]);
     const __m256d s = _mm256_set_pd(0.0, -0.0, -0.0, -0.0);
@@ -343,7 +432,9 @@ struct Avx2 {
   TALUS_INLINE static R4 load4(const double* p) { return _mm256_load_pd(p); }
   TALUS_INLINE static void store4(double* p, R4 a) { _mm256_store_pd(p, a); }
   TALUS_INLINE static R4 set4(double a) { return _mm256_set1_pd(a); }
-  TALUS_INLINE static unsigned lt4(R4 a, R4 b) { return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LT_OQ))); }
+  TALUS_INLINE static unsigned lt4(R4 a, R4 b) {
+    return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LT_OQ)));
+  }
   TALUS_INLINE static R4 and4(R4 a, unsigned m) {
     const __m256i sel = _mm256_sllv_epi64(_mm256_set1_epi64x(m), _mm256_set_epi64x(60, 61, 62, 63));
     return _mm256_blendv_pd(_mm256_setzero_pd(), a, _mm256_castsi256_pd(sel));
@@ -351,7 +442,10 @@ struct Avx2 {
   TALUS_INLINE static R8 add8(R8 a, R8 b) { return {{_mm256_add_pd(a.v[0], b.v[0]), _mm256_add_pd(a.v[1], b.v[1])}}; }
   TALUS_INLINE static R8 mul8(R8 a, R8 b) { return {{_mm256_mul_pd(a.v[0], b.v[0]), _mm256_mul_pd(a.v[1], b.v[1])}}; }
   TALUS_INLINE static R8 load8(const double* p) { return {{_mm256_load_pd(p), _mm256_load_pd(p + 4)}}; }
-  TALUS_INLINE static void store8(double* p, R8 a) { _mm256_store_pd(p, a.v[0]); _mm256_store_pd(p + 4, a.v[1]); }
+  TALUS_INLINE static void store8(double* p, R8 a) {
+    _mm256_store_pd(p, a.v[0]);
+    _mm256_store_pd(p + 4, a.v[1]);
+  }
   TALUS_INLINE static R8 set8(double a) { return {{_mm256_set1_pd(a), _mm256_set1_pd(a)}}; }
   TALUS_INLINE static R4 low4(R8 a) { return a.v[0]; }
   TALUS_INLINE static double norm3(R4 a) {
@@ -360,9 +454,12 @@ struct Avx2 {
     return (_mm_cvtsd_f64(l) + _mm_cvtsd_f64(_mm_unpackhi_pd(l, l))) + _mm_cvtsd_f64(_mm256_extractf128_pd(q, 1));
   }
   static constexpr int F = 8;
-  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy, const float* qz, const float* qr) {
-    const __m256 dx = _mm256_sub_ps(_mm256_set1_ps(x), _mm256_loadu_ps(qx)), dy = _mm256_sub_ps(_mm256_set1_ps(y), _mm256_loadu_ps(qy));
-    const __m256 dz = _mm256_sub_ps(_mm256_set1_ps(z), _mm256_loadu_ps(qz)), s = _mm256_add_ps(_mm256_set1_ps(r), _mm256_loadu_ps(qr));
+  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy,
+                                     const float* qz, const float* qr) {
+    const __m256 dx = _mm256_sub_ps(_mm256_set1_ps(x), _mm256_loadu_ps(qx)),
+                 dy = _mm256_sub_ps(_mm256_set1_ps(y), _mm256_loadu_ps(qy));
+    const __m256 dz = _mm256_sub_ps(_mm256_set1_ps(z), _mm256_loadu_ps(qz)),
+                 s = _mm256_add_ps(_mm256_set1_ps(r), _mm256_loadu_ps(qr));
     const __m256 d2 = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(dx, dx), _mm256_mul_ps(dy, dy)), _mm256_mul_ps(dz, dz));
     return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(d2, _mm256_mul_ps(s, s), _CMP_LT_OQ)));
   }
@@ -394,13 +491,16 @@ struct Avx512 {
   TALUS_INLINE static M both(M a, M b) { return a & b; }
   TALUS_INLINE static bool any(M m) { return m != 0; }
   TALUS_INLINE static unsigned bits(M m) { return m; }
-  TALUS_INLINE static B select(M m, B a, B b) { return _mm512_mask_mov_pd(b, m, a); }
+  // not _mm512_mask_mov_pd: GCC 12.2 lost the unmasked lanes of it in one inlined law (tests/kernels found it)
+  TALUS_INLINE static B select(M m, B a, B b) { return _mm512_mask_blend_pd(m, b, a); }
   TALUS_INLINE static void pair_rows4(const double* p, const std::int32_t* a, const std::int32_t* b, B* o) {
     const __m512d s = _mm512_castsi512_pd(_mm512_set_epi64(INT64_MIN, 0, 0, 0, INT64_MIN, 0, 0, 0));
     __m512d r[4];  // r[k] holds the rows of pairs k and k + 4
     for (int k = 0; k < 4; ++k) {
-      const __m512d va = _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(p + 4L * a[k])), _mm256_load_pd(p + 4L * a[k + 4]), 1);
-      const __m512d vb = _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(p + 4L * b[k])), _mm256_load_pd(p + 4L * b[k + 4]), 1);
+      const __m512d va = _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(p + 4L * a[k])),
+                                            _mm256_load_pd(p + 4L * a[k + 4]), 1);
+      const __m512d vb = _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(p + 4L * b[k])),
+                                            _mm256_load_pd(p + 4L * b[k + 4]), 1);
       r[k] = _mm512_sub_pd(va, _mm512_xor_pd(vb, s));
     }
     const __m512d t0 = _mm512_unpacklo_pd(r[0], r[1]), t1 = _mm512_unpackhi_pd(r[0], r[1]);
@@ -430,7 +530,8 @@ struct Avx512 {
   TALUS_INLINE static void pair_rows8(const double* p, const std::int32_t* a, const std::int32_t* b, B* o) {
     const __m512d s = _mm512_castsi512_pd(_mm512_set_epi64(0, 0, 0, 0, INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN));
     __m512d r[8];
-    for (int k = 0; k < 8; ++k) r[k] = _mm512_add_pd(_mm512_load_pd(p + 8L * a[k]), _mm512_xor_pd(_mm512_load_pd(p + 8L * b[k]), s));
+    for (int k = 0; k < 8; ++k)
+      r[k] = _mm512_add_pd(_mm512_load_pd(p + 8L * a[k]), _mm512_xor_pd(_mm512_load_pd(p + 8L * b[k]), s));
     transpose(r);
     for (int k = 0; k < 8; ++k) o[k] = r[k];
   }
@@ -439,13 +540,15 @@ struct Avx512 {
     return p + __builtin_popcount(m);
   }
   TALUS_INLINE static void carry(unsigned was, unsigned is, const double* from, double* to) {
-    _mm512_storeu_pd(to, _mm512_maskz_compress_pd(static_cast<__mmask8>(is), _mm512_maskz_expandloadu_pd(static_cast<__mmask8>(was), from)));
+    _mm512_storeu_pd(to, _mm512_maskz_compress_pd(static_cast<__mmask8>(is),
+                                                  _mm512_maskz_expandloadu_pd(static_cast<__mmask8>(was), from)));
   }
   TALUS_INLINE static void compress_index(std::int32_t* p, const std::int32_t* src, M m) {
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(p),
                         _mm256_maskz_compress_epi32(m, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(src))));
   }
-  TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* in, const bool* both) {
+  TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* in,
+                                    const bool* both) {
     __m512d r[8] = {in[0], in[1], in[2], in[3], in[4], in[5], in[6], in[7]};
     transpose(r);
     const __m512d s = _mm512_castsi512_pd(_mm512_set_epi64(0, 0, 0, 0, 0, INT64_MIN, INT64_MIN, INT64_MIN));
@@ -458,7 +561,8 @@ struct Avx512 {
       }
     }
   }
-  TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* in, const bool* both) {
+  TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* in,
+                                    const bool* both) {
     const __m512d t0 = _mm512_unpacklo_pd(in[0], in[1]), t1 = _mm512_unpackhi_pd(in[0], in[1]);
     const __m512d t2 = _mm512_unpacklo_pd(in[2], in[3]), t3 = _mm512_unpackhi_pd(in[2], in[3]);
     const __m256d s = _mm256_castsi256_pd(_mm256_set_epi64x(0, INT64_MIN, INT64_MIN, INT64_MIN));
@@ -498,9 +602,12 @@ struct Avx512 {
     return (_mm_cvtsd_f64(l) + _mm_cvtsd_f64(_mm_unpackhi_pd(l, l))) + _mm_cvtsd_f64(_mm256_extractf128_pd(q, 1));
   }
   static constexpr int F = 16;
-  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy, const float* qz, const float* qr) {
-    const __m512 dx = _mm512_sub_ps(_mm512_set1_ps(x), _mm512_loadu_ps(qx)), dy = _mm512_sub_ps(_mm512_set1_ps(y), _mm512_loadu_ps(qy));
-    const __m512 dz = _mm512_sub_ps(_mm512_set1_ps(z), _mm512_loadu_ps(qz)), s = _mm512_add_ps(_mm512_set1_ps(r), _mm512_loadu_ps(qr));
+  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy,
+                                     const float* qz, const float* qr) {
+    const __m512 dx = _mm512_sub_ps(_mm512_set1_ps(x), _mm512_loadu_ps(qx)),
+                 dy = _mm512_sub_ps(_mm512_set1_ps(y), _mm512_loadu_ps(qy));
+    const __m512 dz = _mm512_sub_ps(_mm512_set1_ps(z), _mm512_loadu_ps(qz)),
+                 s = _mm512_add_ps(_mm512_set1_ps(r), _mm512_loadu_ps(qr));
     const __m512 d2 = _mm512_add_ps(_mm512_add_ps(_mm512_mul_ps(dx, dx), _mm512_mul_ps(dy, dy)), _mm512_mul_ps(dz, dz));
     return _mm512_cmp_ps_mask(d2, _mm512_mul_ps(s, s), _CMP_LT_OQ);
   }

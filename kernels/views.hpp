@@ -6,23 +6,23 @@
 
 namespace talus {
 
-inline constexpr int k_block = 128;        ///< contacts per L1 block (DESIGN 2.4)
-inline constexpr int k_pad = 16;           ///< slack behind every per-contact array
-inline constexpr int k_max_history = 4;    ///< history columns of the widest law
+inline constexpr int k_block = 128;      ///< contacts per L1 block (DESIGN 2.4)
+inline constexpr int k_pad = 16;         ///< slack behind every per-contact array
+inline constexpr int k_max_history = 4;  ///< history columns of the widest law
 
 /// Narrow phase of one chunk: candidate pairs -> compact contacts, history carried from old to new.
 struct NarrowArgs {
-  const double* p;              ///< position rows {x, y, z, r} [m], 4 doubles each; row `dead` is far away with r = 0
-  const std::int32_t* pi;       ///< [candidates] own row
-  const std::int32_t* pj;       ///< [candidates] partner row
-  std::uint8_t* mask;           ///< [candidates / 8] bit: touched at the previous step; replaced by the present one
-  std::int64_t end[3];          ///< slot ends of the sections lower, interior, higher; multiples of 8
-  double half[3], period[3];    ///< periodic minimum image: half period (1e300 where not periodic) and period (0)
-  int periodic;                 ///< any axis periodic
-  int history;                  ///< history columns
+  const double* p;            ///< position rows {x, y, z, r} [m], 4 doubles each; row `dead` is far away with r = 0
+  const std::int32_t* pi;     ///< [candidates] own row
+  const std::int32_t* pj;     ///< [candidates] partner row
+  std::uint8_t* mask;         ///< [candidates / 8] bit: touched at the previous step; replaced by the present one
+  std::int64_t end[3];        ///< slot ends of the sections lower, interior, higher; multiples of 8
+  double half[3], period[3];  ///< periodic minimum image: half period (1e300 where not periodic) and period (0)
+  int periodic;               ///< any axis periodic
+  int history;                ///< history columns
   const double* h_old[k_max_history];
   double* h_new[k_max_history];
-  double deep;                  ///< a pair with d < deep * (r_i + r_j) is reported
+  double deep;  ///< a pair with d < deep * (r_i + r_j) is reported
   // results
   std::int32_t *ci, *cj;        ///< [contacts + pad]
   std::int64_t contact_end[3];  ///< contact ends of the three sections
@@ -31,95 +31,95 @@ struct NarrowArgs {
 
 /// Coefficients of one material pair as the laws use them; see kernels/models for which entries a law reads.
 struct PairParameters {
-  double kn = 0, kt = 0;        ///< linear: [N/m]; Hertz: 4/3 E* and 8 G* [Pa]
-  double gn = 0, gt = 0;        ///< linear: rates [1/s], or 2 beta (rate = gn sqrt(k/m_eff)) by restitution; Hertz: alpha [-]
-  double mu = 0;                ///< friction [-]
+  double kn = 0, kt = 0;  ///< linear: [N/m]; Hertz: 4/3 E* and 8 G* [Pa]
+  double gn = 0, gt = 0;  ///< linear: rates [1/s], or 2 beta (rate = gn sqrt(k/m_eff)) by restitution; Hertz: alpha [-]
+  double mu = 0;          ///< friction [-]
 };
 
 /// One block of up to k_block contacts in L1: relative geometry and motion in, force and torque rows out.
 struct Block {
-  int n;                              ///< contacts; arrays are padded with harmless values to a multiple of 8
-  const double *x, *y, *z, *w;        ///< centre difference [m], sum of radii [m]
-  double (*r)[k_block + k_pad];       ///< in: 0..2 v_i - v_j [m/s], 4..6 r_i w_i + r_j w_j [m/s], 7 1/m_i + 1/m_j [1/kg]
-                                      ///< (without rotation: 3 holds 1/m_i + 1/m_j); out: 0..2 force on i [N], 3 stiffness
-                                      ///< [N/m] for the stability bound, 4..6 torque / radius [N]
-  double* h[k_max_history];           ///< history columns, updated in place
-  const double* reff;                 ///< R* [m] where the law wants it
-  const std::int32_t* pair;           ///< material pair index where there are several materials
-  double (*e)[k_block + k_pad];       ///< energy terms out: elastic [J], damping loss, friction loss of this step [J]
+  int n;                         ///< contacts; arrays are padded with harmless values to a multiple of 8
+  const double *x, *y, *z, *w;   ///< centre difference [m], sum of radii [m]
+  double (*r)[k_block + k_pad];  ///< in: 0..2 v_i - v_j [m/s], 4..6 r_i w_i + r_j w_j [m/s], 7 1/m_i + 1/m_j [1/kg]
+                                 ///< (without rotation: 3 holds 1/m_i + 1/m_j); out: 0..2 force on i [N], 3 stiffness
+                                 ///< [N/m] for the stability bound, 4..6 torque / radius [N]
+  double* h[k_max_history];      ///< history columns, updated in place
+  const double* reff;            ///< R* [m] where the law wants it
+  const std::int32_t* pair;      ///< material pair index where there are several materials
+  double (*e)[k_block + k_pad];  ///< energy terms out: elastic [J], damping loss, friction loss of this step [J]
 };
 
 struct LawArgs {
-  PairParameters one;                 ///< used where there is a single material pair
-  const PairParameters* table;        ///< several materials: [pair index]
-  double dt;                          ///< [s]
-  int by_restitution;                 ///< linear: damping follows restitution
+  PairParameters one;           ///< used where there is a single material pair
+  const PairParameters* table;  ///< several materials: [pair index]
+  double dt;                    ///< [s]
+  int by_restitution;           ///< linear: damping follows restitution
   int centred, onset, synchronised, contact_lever;
 };
 
 struct GatherArgs {
-  const double* v;                    ///< velocity rows (8 or 4 doubles)
-  const double* p;                    ///< position rows, for R*
-  const std::uint8_t* material;       ///< or null
+  const double* v;               ///< velocity rows (8 or 4 doubles)
+  const double* p;               ///< position rows, for R*
+  const std::uint8_t* material;  ///< or null
   int materials;
-  const std::int32_t *i, *j;          ///< [n + pad] rows of the block's contacts
+  const std::int32_t *i, *j;  ///< [n + pad] rows of the block's contacts
   int n;
-  double (*x)[k_block + k_pad];       ///< out: 0..2 centre difference i - j (minimum image), 3 r_i + r_j [m]
-  double (*r)[k_block + k_pad];       ///< out: relative velocity rows, see Block::r
+  double (*x)[k_block + k_pad];  ///< out: 0..2 centre difference i - j (minimum image), 3 r_i + r_j [m]
+  double (*r)[k_block + k_pad];  ///< out: relative velocity rows, see Block::r
   int periodic;
-  double half[3], period[3];          ///< as in NarrowArgs
-  const std::int32_t* next_j;         ///< partner rows of the next block, prefetched; next_n of them
+  double half[3], period[3];   ///< as in NarrowArgs
+  const std::int32_t* next_j;  ///< partner rows of the next block, prefetched; next_n of them
   int next_n;
-  double* reff;                       ///< or null
-  std::int32_t* pair;                 ///< or null
+  double* reff;        ///< or null
+  std::int32_t* pair;  ///< or null
 };
 
 struct ScatterArgs {
-  double* f;                          ///< force rows, indexed by absolute row
+  double* f;  ///< force rows, indexed by absolute row
   const std::int32_t *i, *j;
   int n;
-  int both_from, both_to;             ///< contacts of the block in [from, to) also act on j
+  int both_from, both_to;  ///< contacts of the block in [from, to) also act on j
   double (*r)[k_block + k_pad];
 };
 
 /// Integration of rows [lo, hi): v(n-1/2) -> v(n+1/2), x(n) -> x(n+1), displacement check against the list's reference.
 struct IntegrateArgs {
   std::int32_t lo, hi;
-  const double *p, *v, *f;            ///< rows; f indexed by absolute row
-  double *p2, *v2;                    ///< new rows
-  const double* x0;                   ///< list reference rows {x, y, z, skin^2}
-  double dt, kick;                    ///< kick = dt, or dt/2 in the first step of velocity Verlet
+  const double *p, *v, *f;  ///< rows; f indexed by absolute row
+  double *p2, *v2;          ///< new rows
+  const double* x0;         ///< list reference rows {x, y, z, skin^2}
+  double dt, kick;          ///< kick = dt, or dt/2 in the first step of velocity Verlet
   double gravity[3];
-  alignas(32) double upper[4], wrap[4]; ///< domain size per axis (lane 3: 1e300) and period (0 where not periodic)
-  alignas(32) double half[4];                     ///< half period or 1e300
-  double viscous, local;              ///< background damping coefficients
-  double unstable;                    ///< bound on (row sum of stiffness / mass)
+  alignas(32) double upper[4], wrap[4];  ///< domain size per axis (lane 3: 1e300) and period (0 where not periodic)
+  alignas(32) double half[4];            ///< half period or 1e300
+  double viscous, local;                 ///< background damping coefficients
+  double unstable;                       ///< bound on (row sum of stiffness / mass)
   // results
-  std::int32_t* out;                  ///< rows that left through a non-periodic side (capacity hi - lo)
+  std::int32_t* out;  ///< rows that left through a non-periodic side (capacity hi - lo)
   std::int32_t out_count;
-  int expired;                        ///< some row moved farther than its skin (or is not finite)
-  std::int32_t unstable_row;          ///< a row whose stiffness sum breaks the bound, or -1
+  int expired;                ///< some row moved farther than its skin (or is not finite)
+  std::int32_t unstable_row;  ///< a row whose stiffness sum breaks the bound, or -1
 };
 
 /// Broad phase of rows [lo, hi): sorted candidate rows, each pair once per owner, in three sections.
 struct SearchArgs {
   // cell-sorted particles, padded by 16
-  const float *x, *y, *z, *r;         ///< coordinates [m, relative to the domain's lower corner] and inflated reaches
-  const std::int32_t* row;            ///< storage rows
-  const std::int32_t* start;          ///< [cells + 1] first sorted position of each cell; cell = rank * n[0] + cx
-  const std::int32_t* rank;           ///< [n[2] * n[1]] Morton rank of pencil (cy, cz)
-  std::int32_t n[3];                  ///< cells per axis
-  double inverse[3];                  ///< cells per metre
-  float period[3];                    ///< domain size on periodic axes, 0 elsewhere
-  const double* p;                    ///< position rows of the particles
-  const float* reach;                 ///< [rows] inflated reach by storage row
-  const std::uint8_t* fixed;          ///< [rows] or null: pairs of two fixed rows are left out
-  std::int32_t lo, hi;                ///< rows of the chunk
-  std::int32_t next;                  ///< first row not searched yet (in: lo; out: hi, or where capacity ran out)
-  std::int32_t* scratch;              ///< [scratch_capacity + 16] one row's candidates
+  const float *x, *y, *z, *r;  ///< coordinates [m, relative to the domain's lower corner] and inflated reaches
+  const std::int32_t* row;     ///< storage rows
+  const std::int32_t* start;   ///< [cells + 1] first sorted position of each cell; cell = rank * n[0] + cx
+  const std::int32_t* rank;    ///< [n[2] * n[1]] Morton rank of pencil (cy, cz)
+  std::int32_t n[3];           ///< cells per axis
+  double inverse[3];           ///< cells per metre
+  float period[3];             ///< domain size on periodic axes, 0 elsewhere
+  const double* p;             ///< position rows of the particles
+  const float* reach;          ///< [rows] inflated reach by storage row
+  const std::uint8_t* fixed;   ///< [rows] or null: pairs of two fixed rows are left out
+  std::int32_t lo, hi;         ///< rows of the chunk
+  std::int32_t next;           ///< first row not searched yet (in: lo; out: hi, or where capacity ran out)
+  std::int32_t* scratch;       ///< [scratch_capacity + 16] one row's candidates
   std::int32_t scratch_capacity;
-  std::int32_t *si[3], *sj[3];        ///< sections lower, interior, higher: own row, partner row
-  std::int64_t count[3], capacity[3]; ///< filled and available entries per section
+  std::int32_t *si[3], *sj[3];         ///< sections lower, interior, higher: own row, partner row
+  std::int64_t count[3], capacity[3];  ///< filled and available entries per section
 };
 
 /// Functions of one instruction set. Laws are indexed by law_index() in kernel_table.hpp.
@@ -127,9 +127,9 @@ struct KernelTable {
   const char* name;
   int width;
   void (*narrow)(NarrowArgs&);
-  void (*gather[2])(const GatherArgs&);      ///< [rotation]
-  void (*scatter[2])(const ScatterArgs&);    ///< [rotation]
-  void (*integrate[2])(IntegrateArgs&);      ///< [rotation]
+  void (*gather[2])(const GatherArgs&);    ///< [rotation]
+  void (*scatter[2])(const ScatterArgs&);  ///< [rotation]
+  void (*integrate[2])(IntegrateArgs&);    ///< [rotation]
   void (*search)(SearchArgs&);
   void (*law[16])(Block&, const LawArgs&);
 };

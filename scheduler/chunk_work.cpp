@@ -1,6 +1,6 @@
 // What the per-chunk nodes of the step graph do: narrow phase, contact forces, wall contacts, integration.
-// Invariants: I3 and I8 (contacts of lower chunks, interior, higher chunks, then walls), I5, I7 (a chunk writes only its
-// own lists, its scratch and its own rows of p2, v2).
+// Invariants: I3 and I8 (contacts of lower chunks, interior, higher chunks, then walls), I5, I7 (a chunk writes only
+// its own lists, its scratch and its own rows of p2, v2).
 #include <immintrin.h>
 
 #include <algorithm>
@@ -38,8 +38,9 @@ void scatter_energy(World& w, const std::int32_t* ci, const std::int32_t* cj, in
   }
 }
 
-/// Tests only: the order of summation that RunOptions::seeded_fault asks for; empty without a fault. 1: pairs with lower
-/// chunks after the interior, which depends on the chunk size. 2: interior pairs as they would arrive from the far end.
+/// Tests only: the order of summation that RunOptions::seeded_fault asks for; empty without a fault. 1: pairs with
+/// lower chunks after the interior, which depends on the chunk size. 2: interior pairs as they would arrive from the
+/// far end.
 std::vector<std::int64_t> faulty_order(const World& w, const Chunk& c) {
   std::vector<std::int64_t> order;
   if (w.options.seeded_fault != 1 && w.options.seeded_fault != 2) return order;
@@ -123,7 +124,8 @@ void narrow_chunk(World& w, Chunk& c) {
   NodeTimer timer(w, c, Node::narrow_phase);
   // FTZ, DAZ or another rounding mode would change bits silently (DESIGN I4); every worker passes here every step.
   if ((_mm_getcsr() & 0xe040U) != 0)
-    throw Error(ErrorCode::physics, "flush-to-zero, denormals-are-zero or a changed rounding mode is active in a worker thread",
+    throw Error(ErrorCode::physics,
+                "flush-to-zero, denormals-are-zero or a changed rounding mode is active in a worker thread",
                 "step " + std::to_string(w.step), "do not link with -ffast-math and leave MXCSR at its default");
   c.scratch = w.scratch.take();
   Scratch& s = *c.scratch;
@@ -222,12 +224,14 @@ void force_chunk(World& w, Chunk& c) {
     law(b, w.law_args);
     const int from = static_cast<int>(std::clamp<std::int64_t>(both_from - k0, 0, n));
     const int to = static_cast<int>(std::clamp<std::int64_t>(both_to - k0, 0, n));
-    w.kernels->scatter[rotation](ScatterArgs{f, b.n > 0 ? s.ci.data() + k0 : nullptr, s.cj.data() + k0, n, from, to, r});
+    w.kernels->scatter[rotation](
+        ScatterArgs{f, b.n > 0 ? s.ci.data() + k0 : nullptr, s.cj.data() + k0, n, from, to, r});
     if (w.has.energies) scatter_energy(w, s.ci.data() + k0, s.cj.data() + k0, n, from, to, e);
   }
   if (!faulty.empty()) {  // the history goes back into list order: only the order of the sums was wrong
     std::vector<std::int64_t> back(faulty.size());
-    for (std::size_t k = 0; k < faulty.size(); ++k) back[static_cast<std::size_t>(faulty[k])] = static_cast<std::int64_t>(k);
+    for (std::size_t k = 0; k < faulty.size(); ++k)
+      back[static_cast<std::size_t>(faulty[k])] = static_cast<std::int64_t>(k);
     permute_contacts(w, c, back);
   }
 }
@@ -254,7 +258,8 @@ void wall_chunk(World& w, Chunk& c) {
     int nb = 0;
     while (end < c.wall_state.size() && c.wall_state[end].row == i && nb < WallSet::k_max_contacts)
       before[nb++] = c.wall_state[end++].contact;
-    WallSet::match(std::span(before, static_cast<std::size_t>(nb)), std::span(found, static_cast<std::size_t>(n)), from);
+    WallSet::match(std::span(before, static_cast<std::size_t>(nb)), std::span(found, static_cast<std::size_t>(n)),
+                   from);
     for (int k = 0; k < n; ++k) {
       WallState t;
       t.row = i;
@@ -266,7 +271,8 @@ void wall_chunk(World& w, Chunk& c) {
   }
   // A wall is a partner of radius 0 and infinite mass at rest in its own spin: the same laws apply.
   alignas(64) double bx[k_block + k_pad], by[k_block + k_pad], bz[k_block + k_pad], bw[k_block + k_pad];
-  alignas(64) double r[8][k_block + k_pad], e[3][k_block + k_pad], h[k_max_history][k_block + k_pad], reff[k_block + k_pad];
+  alignas(64) double r[8][k_block + k_pad], e[3][k_block + k_pad], h[k_max_history][k_block + k_pad],
+      reff[k_block + k_pad];
   alignas(64) std::int32_t pair[k_block + k_pad];
   const auto law = w.kernels->law[w.law_variant];
   const int mass_lane = w.has.rotation ? 7 : 3;
@@ -305,9 +311,9 @@ void wall_chunk(World& w, Chunk& c) {
     b.e = e;
     LawArgs args = w.law_args;
     if (!w.has.materials) args.one = w.parameters[0];
-    // The mid-step normal of the synchronised form is that of two spheres, which turns with their chord. A wall's contact
-    // point follows the grain: the normal at n holds at n-1/2 too (exactly on a plane), and tilting it back by half the
-    // chord would press a sliding grain into the wall.
+    // The mid-step normal of the synchronised form is that of two spheres, which turns with their chord. A wall's
+    // contact point follows the grain: the normal at n holds at n-1/2 too (exactly on a plane), and tilting it back by
+    // half the chord would press a sliding grain into the wall.
     args.synchronised = 0;
     law(b, args);
     for (int k = 0; k < n; ++k) {

@@ -190,20 +190,26 @@ Frame frame_of(World& w, const FrameRequest& q) {
         const auto at = static_cast<std::size_t>(place[static_cast<std::size_t>(ends[e])]);
         if (q.coordination) ++f.coordination[at];
         if (q.stress) {
-          // sigma = 1/V sum l f with l from the centre to the contact point and f the force on the particle; compression < 0
+          // sigma = 1/V sum l f with l from the centre to the contact point and f the force on the particle;
+          // compression < 0
           const double r = f.r[at], volume = 4.0 / 3.0 * 3.14159265358979323846 * r * r * r;
           const double nf = norm(c.normal_force);
           const Vec3 force = (e == 0 ? 1.0 : -1.0) * (c.normal_force + c.tangential_force);
           const Vec3 n = nf > 0 ? (1 / nf) * c.normal_force : Vec3{};
           const Vec3 l = (e == 0 ? -1.0 : 1.0) * (r - 0.5 * c.overlap) * n;
-          const double t[6] = {l.x * force.x, l.y * force.y, l.z * force.z, 0.5 * (l.x * force.y + l.y * force.x),
-                               0.5 * (l.x * force.z + l.z * force.x), 0.5 * (l.y * force.z + l.z * force.y)};
+          const double t[6] = {l.x * force.x,
+                               l.y * force.y,
+                               l.z * force.z,
+                               0.5 * (l.x * force.y + l.y * force.x),
+                               0.5 * (l.x * force.z + l.z * force.x),
+                               0.5 * (l.y * force.z + l.z * force.y)};
           for (std::size_t m = 0; m < 6; ++m) f.stress[at][m] += t[m] / volume;
         }
       }
     }
     if (q.contacts) {
-      std::sort(records.begin(), records.end(), [](const ContactRecord& a, const ContactRecord& b) { return std::tie(a.a, a.b) < std::tie(b.a, b.b); });
+      std::sort(records.begin(), records.end(),
+                [](const ContactRecord& a, const ContactRecord& b) { return std::tie(a.a, a.b) < std::tie(b.a, b.b); });
       f.contacts = std::move(records);
     }
   }
@@ -263,8 +269,9 @@ std::int64_t audit_lists(const World& w) {
       const bool has = at != c.wall_row.end() && *at == i;
       const auto row = static_cast<std::size_t>(at - c.wall_row.begin());
       for (int k = 0; k < n; ++k) {
-        const bool found = has && std::find(c.wall_element.begin() + c.wall_begin[row], c.wall_element.begin() + c.wall_begin[row + 1],
-                                            near[k].element) != c.wall_element.begin() + c.wall_begin[row + 1];
+        const bool found =
+            has && std::find(c.wall_element.begin() + c.wall_begin[row], c.wall_element.begin() + c.wall_begin[row + 1],
+                             near[k].element) != c.wall_element.begin() + c.wall_begin[row + 1];
         if (!found) ++missed;
       }
     }
@@ -274,13 +281,15 @@ std::int64_t audit_lists(const World& w) {
 
 std::size_t bytes_of(const World& w) {
   const auto size = [](const auto& c) { return c.capacity() * sizeof(c[0]); };
-  std::size_t b = size(w.p) + size(w.p2) + size(w.v) + size(w.v2) + size(w.x0) + size(w.id) + size(w.material) + size(w.fixed) +
-                  size(w.group) + size(w.energy) + size(w.key) + size(w.order) + size(w.sx) + size(w.sy) + size(w.sz) + size(w.sr) +
-                  size(w.reach) + size(w.sorted_row) + size(w.cell_start) + size(w.pencil_rank) + w.scratch.bytes();
+  std::size_t b = size(w.p) + size(w.p2) + size(w.v) + size(w.v2) + size(w.x0) + size(w.id) + size(w.material) +
+                  size(w.fixed) + size(w.group) + size(w.energy) + size(w.key) + size(w.order) + size(w.sx) +
+                  size(w.sy) + size(w.sz) + size(w.sr) + size(w.reach) + size(w.sorted_row) + size(w.cell_start) +
+                  size(w.pencil_rank) + w.scratch.bytes();
   if (w.has.walls) b += w.walls.bytes();
   for (const auto& c : w.chunks) {
     b += size(c->pi) + size(c->pj) + size(c->mask) + size(c->wall_row) + size(c->wall_begin) + size(c->wall_element) +
-         size(c->wall_state) + size(c->wall_next) + size(c->wall_force) + size(c->wall_point) + size(c->carried.i) + size(c->carried.j) + size(c->out);
+         size(c->wall_state) + size(c->wall_next) + size(c->wall_force) + size(c->wall_point) + size(c->carried.i) +
+         size(c->carried.j) + size(c->out);
     for (int k = 0; k < k_max_history; ++k) b += size(c->h[k]) + size(c->carried.h[k]);
     for (const auto& q : c->build) b += size(q);
   }
@@ -294,19 +303,27 @@ Plan plan_of(const World& w) {
     p.nodes.push_back({node_name(n), std::move(why), std::move(reads), std::move(writes), in});
   };
   node(Node::displacement_check, true, "always", "flags of integrate", "counters, removed rows");
-  node(Node::insert, h.insertion || h.events, h.insertion || h.events ? "sources or events act during the run" : "no source or event acts during the run",
+  node(Node::insert, h.insertion || h.events,
+       h.insertion || h.events ? "sources or events act during the run" : "no source or event acts during the run",
        "p, v", "rows, v");
-  node(Node::sort_epoch, true, "every " + std::to_string(w.scene.sort_every) + " steps", "p, v, contacts", "storage order");
-  node(Node::rebuild, true, "when a displacement exceeds its skin", "p, v, old lists", "x0, cells, lists, history order");
+  node(Node::sort_epoch, true, "every " + std::to_string(w.scene.sort_every) + " steps", "p, v, contacts",
+       "storage order");
+  node(Node::rebuild, true, "when a displacement exceeds its skin", "p, v, old lists",
+       "x0, cells, lists, history order");
   node(Node::narrow_phase, true, "always", "p, list", "mask, history, contacts");
   node(Node::contact_force, true, "always", "p, v, contacts", "history, force rows");
-  node(Node::wall_contact, h.walls, h.walls ? std::to_string(w.walls.size()) + " walls" : "no walls", "p, v, walls", "wall history, force rows");
+  node(Node::wall_contact, h.walls, h.walls ? std::to_string(w.walls.size()) + " walls" : "no walls", "p, v, walls",
+       "wall history, force rows");
   node(Node::integrate, true, "always", "p, v, force rows, x0", "p2, v2, flags");
-  node(Node::energy, h.energies, h.energies ? "output.energies" : "output.energies is off", "energy rows, v, v2", "energy sums");
-  const auto array = [&](const char* name, bool in, double bytes, const char* why) { p.arrays.push_back({name, why, in ? bytes : 0.0, in}); };
+  node(Node::energy, h.energies, h.energies ? "output.energies" : "output.energies is off", "energy rows, v, v2",
+       "energy sums");
+  const auto array = [&](const char* name, bool in, double bytes, const char* why) {
+    p.arrays.push_back({name, why, in ? bytes : 0.0, in});
+  };
   const double row = 8.0 * w.stride;
   array("p, p2", true, 64, "position and radius, double buffered");
-  array("v, v2", true, 2 * row, h.rotation ? "velocity, r*spin, 1/m, double buffered" : "velocity and 1/m, double buffered");
+  array("v, v2", true, 2 * row,
+        h.rotation ? "velocity, r*spin, 1/m, double buffered" : "velocity and 1/m, double buffered");
   array("rotation lanes of v", h.rotation, 64, h.rotation ? "included above" : "no friction, no rotation");
   if (h.rotation) p.arrays.back().bytes_per_particle = 0;  // counted in v
   array("x0", true, 32, "reference position and skin of the list");
@@ -320,14 +337,18 @@ Plan plan_of(const World& w) {
   for (const auto& c : w.chunks) {
     lists += 8.0 * static_cast<double>(c->end[2]) + static_cast<double>(c->end[2]) / 8;
     history += 8.0 * h.history_columns * static_cast<double>(c->contact_end[2]);
-    walls += 4.0 * static_cast<double>(c->wall_row.size() * 2 + c->wall_element.size()) + static_cast<double>(sizeof(WallState) * c->wall_state.size());
+    walls += 4.0 * static_cast<double>(c->wall_row.size() * 2 + c->wall_element.size()) +
+             static_cast<double>(sizeof(WallState) * c->wall_state.size());
   }
   array("pair list", true, lists / n, "rows of candidate pairs and touch bits");
-  array("history", h.history_columns > 0, history / n, h.history_columns > 0 ? "tangential springs of touching pairs" : "no friction, no history");
+  array("history", h.history_columns > 0, history / n,
+        h.history_columns > 0 ? "tangential springs of touching pairs" : "no friction, no history");
   array("wall contacts", h.walls, walls / n, h.walls ? "candidates and history" : "no walls");
-  array("cell index", true, 4.0 * 8 + 4.0 * static_cast<double>(w.cell_start.size()) / n, "sorted float32 coordinates and cell starts");
+  array("cell index", true, 4.0 * 8 + 4.0 * static_cast<double>(w.cell_start.size()) / n,
+        "sorted float32 coordinates and cell starts");
   for (const auto& a : p.arrays) p.bytes_per_particle += a.bytes_per_particle;
-  p.law = std::string(w.law->name) + (h.rotation ? " with friction" : ", frictionless") + (h.materials ? ", per material pair" : "");
+  p.law = std::string(w.law->name) + (h.rotation ? " with friction" : ", frictionless") +
+          (h.materials ? ", per material pair" : "");
   p.isa = w.kernels->name;
   p.isa_why = w.isa_why;
   const char* const names[] = {"always", "paper", "local", "uniform"};

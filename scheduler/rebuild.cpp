@@ -61,7 +61,8 @@ void sort_by_cell(World& w, std::uint32_t cells) {
     std::fill(hist.begin(), hist.end(), 0);
     parallel(blocks, [&](int b) {
       std::uint32_t* h = hist.data() + static_cast<std::size_t>(b) * buckets;
-      for (std::size_t k = n * b / blocks; k < n * (b + 1) / blocks; ++k) ++h[(w.key[from[k]] >> shift) & (buckets - 1)];
+      for (std::size_t k = n * b / blocks; k < n * (b + 1) / blocks; ++k)
+        ++h[(w.key[from[k]] >> shift) & (buckets - 1)];
     });
     std::uint32_t sum = 0;
     for (int d = 0; d < buckets; ++d)
@@ -73,7 +74,8 @@ void sort_by_cell(World& w, std::uint32_t cells) {
       }
     parallel(blocks, [&](int b) {
       std::uint32_t* h = hist.data() + static_cast<std::size_t>(b) * buckets;
-      for (std::size_t k = n * b / blocks; k < n * (b + 1) / blocks; ++k) to[h[(w.key[from[k]] >> shift) & (buckets - 1)]++] = from[k];
+      for (std::size_t k = n * b / blocks; k < n * (b + 1) / blocks; ++k)
+        to[h[(w.key[from[k]] >> shift) & (buckets - 1)]++] = from[k];
     });
     std::swap(from, to);
   }
@@ -99,11 +101,13 @@ void lay_cells(World& w, double edge) {
     for (std::int32_t z = 0; z < cells[2]; ++z)
       for (std::int32_t y = 0; y < cells[1]; ++y) {
         const auto q = static_cast<std::size_t>(z) * cells[1] + y;
-        codes[q] = {spread2(static_cast<std::uint64_t>(y)) | spread2(static_cast<std::uint64_t>(z)) << 1, static_cast<std::int32_t>(q)};
+        codes[q] = {spread2(static_cast<std::uint64_t>(y)) | spread2(static_cast<std::uint64_t>(z)) << 1,
+                    static_cast<std::int32_t>(q)};
       }
     std::sort(codes.begin(), codes.end());
     w.pencil_rank.resize(pencils);
-    for (std::size_t q = 0; q < pencils; ++q) w.pencil_rank[static_cast<std::size_t>(codes[q].second)] = static_cast<std::int32_t>(q);
+    for (std::size_t q = 0; q < pencils; ++q)
+      w.pencil_rank[static_cast<std::size_t>(codes[q].second)] = static_cast<std::int32_t>(q);
   }
   for (int k = 0; k < 3; ++k) w.cells[k] = cells[k];
 }
@@ -274,7 +278,8 @@ void sort_epoch(World& w) {
   }
   std::sort(keys.begin(), keys.end());  // ties by row: stable
   std::vector<Row> inverse_row(static_cast<std::size_t>(w.n), -1);
-  for (std::size_t q = 0; q < keys.size(); ++q) inverse_row[static_cast<std::size_t>(keys[q].second)] = static_cast<Row>(q);
+  for (std::size_t q = 0; q < keys.size(); ++q)
+    inverse_row[static_cast<std::size_t>(keys[q].second)] = static_cast<Row>(q);
   const auto n = static_cast<Row>(keys.size());
   const int stride = w.stride;
   parallel(w.threads, [&](int b) {
@@ -346,7 +351,8 @@ void rebuild_lists(World& w) {
       ref[0] = x[0];
       ref[1] = x[1];
       ref[2] = x[2];
-      const double stored = w.options.seeded_fault == 3 ? 3 * skin : skin;  // tests only: more than the list was built for
+      const double stored =
+          w.options.seeded_fault == 3 ? 3 * skin : skin;  // tests only: more than the list was built for
       ref[3] = stored * stored;
       // the check compares squares: the reach covers the rounding of the square root
       const double reach = (x[3] + skin) * (1 + 1e-12);
@@ -359,7 +365,8 @@ void rebuild_lists(World& w) {
   for (std::size_t q = 0; q < largest.size(); ++q) {
     top = fmax2(top, largest[q]);
     if (bad[q] >= 0)
-      throw Error(ErrorCode::physics, "particle " + std::to_string(w.id[bad[q]]) + " has a non-finite position or velocity",
+      throw Error(ErrorCode::physics,
+                  "particle " + std::to_string(w.id[bad[q]]) + " has a non-finite position or velocity",
                   "step " + std::to_string(w.step), "reduce the time step, check stiffness and initial overlaps");
   }
   if (top == 0) top = w.r_max > 0 ? w.r_max : 1;
@@ -379,7 +386,8 @@ void rebuild_lists(World& w) {
     for (Row i = c.lo; i < c.hi; ++i) {
       const double* x = w.p.data() + 4L * i;
       if (!(x[0] < 1e100)) continue;
-      w.reach[static_cast<std::size_t>(i)] = static_cast<float>(w.reach[static_cast<std::size_t>(i)] * 1.000001 + slack);
+      w.reach[static_cast<std::size_t>(i)] =
+          static_cast<float>(w.reach[static_cast<std::size_t>(i)] * 1.000001 + slack);
       const std::int32_t cy = cell_of(x[1], inverse[1], w.cells[1]), cz = cell_of(x[2], inverse[2], w.cells[2]);
       w.key[static_cast<std::size_t>(i)] = static_cast<std::uint32_t>(
           static_cast<std::uint64_t>(w.pencil_rank[static_cast<std::size_t>(cz) * w.cells[1] + cy]) * w.cells[0] +
@@ -405,7 +413,8 @@ void rebuild_lists(World& w) {
   for (std::uint32_t c = after; c <= cell_count; ++c) w.cell_start[c] = static_cast<std::int32_t>(alive);
   // 3. lists
   if (w.has.walls)
-    w.walls.mark(w.scene.list.verlet_k, w.scene.dt, 0.0, w.scene.list.policy == ListPolicy::always ? 0.0 : 0.5 * w.r_min);
+    w.walls.mark(w.scene.list.verlet_k, w.scene.dt, 0.0,
+                 w.scene.list.policy == ListPolicy::always ? 0.0 : 0.5 * w.r_min);
   for_chunks(w, [](World& world, Chunk& c) {
     NodeTimer timer(world, c, Node::rebuild);
     search_chunk(world, c);

@@ -24,7 +24,9 @@ int available_threads() {
   return sched_getaffinity(0, sizeof set, &set) == 0 ? std::max(1, CPU_COUNT(&set)) : 1;
 }
 
-bool acts_later(const Source& s) { return s.kind == Source::Kind::stream || (s.kind != Source::Kind::file && s.start > 0); }
+bool acts_later(const Source& s) {
+  return s.kind == Source::Kind::stream || (s.kind != Source::Kind::file && s.start > 0);
+}
 
 /// Everything that does not depend on the particles' present state.
 void configure(World& w, const Scene& scene, const RunOptions& options, bool any_fixed) {
@@ -50,9 +52,11 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   for (int k = 0; k < 3; ++k) {
     h.periodic = h.periodic || scene.domain.periodic(k);
     for (int s = 0; s < 2; ++s)
-      h.removal = h.removal || scene.domain.boundary[static_cast<std::size_t>(k)][static_cast<std::size_t>(s)] == Boundary::open;
+      h.removal = h.removal ||
+                  scene.domain.boundary[static_cast<std::size_t>(k)][static_cast<std::size_t>(s)] == Boundary::open;
   }
-  std::stable_sort(w.scene.events.begin(), w.scene.events.end(), [](const Event& a, const Event& b) { return a.time < b.time; });
+  std::stable_sort(w.scene.events.begin(), w.scene.events.end(),
+                   [](const Event& a, const Event& b) { return a.time < b.time; });
   w.stride = h.rotation ? 8 : 4;
   w.law_variant = law_index(*w.law, scene.contact.friction, h.materials, h.energies);
   w.parameters = pair_parameters(scene);
@@ -109,26 +113,31 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options) : impl_(st
   w.r_min = w.insertion->smallest_radius();
   w.r_max = w.insertion->largest_radius();
   const NewParticles first = w.insertion->initial();
-  configure(w, scene, options, std::any_of(first.fixed.begin(), first.fixed.end(), [](std::uint8_t f) { return f != 0; }));
+  configure(w, scene, options,
+            std::any_of(first.fixed.begin(), first.fixed.end(), [](std::uint8_t f) { return f != 0; }));
   append_particles(w, first, true);
   choose_chunk(w);
   make_chunks(w);
 }
 
-Simulation::Simulation(const Scene& scene, const RunOptions& options, const CheckpointReader& in) : impl_(std::make_unique<Impl>()) {
+Simulation::Simulation(const Scene& scene, const RunOptions& options, const CheckpointReader& in)
+    : impl_(std::make_unique<Impl>()) {
   World& w = impl_->w;
   w.insertion = std::make_unique<Insertion>(scene);
   w.r_min = w.insertion->smallest_radius();
   w.r_max = w.insertion->largest_radius();
   const auto m = in.read_value<Meta>("meta");
   configure(w, scene, options, in.has("fixed"));
-  if (m.stride != w.stride || m.history != w.has.history_columns || m.materials != static_cast<std::int64_t>(scene.materials.size()) || m.dt != scene.dt)
-    throw Error(ErrorCode::io, "the checkpoint belongs to another scene (contact law, materials or time step differ)", in.path());
+  if (m.stride != w.stride || m.history != w.has.history_columns ||
+      m.materials != static_cast<std::int64_t>(scene.materials.size()) || m.dt != scene.dt)
+    throw Error(ErrorCode::io, "the checkpoint belongs to another scene (contact law, materials or time step differ)",
+                in.path());
   w.has.fixed = in.has("fixed");
   set_particle_capacity(w, static_cast<Row>(m.n));
   const auto get = [&](const char* name, void* to, std::size_t bytes) {
     const auto s = in.section(name);
-    if (s.size() != bytes) throw Error(ErrorCode::io, std::string("section '") + name + "' has a wrong size", in.path());
+    if (s.size() != bytes)
+      throw Error(ErrorCode::io, std::string("section '") + name + "' has a wrong size", in.path());
     if (bytes != 0) std::memcpy(to, s.data(), bytes);
   };
   const auto n = static_cast<std::size_t>(m.n);
@@ -171,9 +180,11 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   std::vector<WallState> walls;
   in.read_array<WallState>("wall_contacts", walls);
   for (const ContactEntry& e : contacts)
-    if (e.a < 0 || e.b < 0 || e.a >= w.n || e.b >= w.n) throw Error(ErrorCode::io, "a contact names a particle that does not exist", in.path());
+    if (e.a < 0 || e.b < 0 || e.a >= w.n || e.b >= w.n)
+      throw Error(ErrorCode::io, "a contact names a particle that does not exist", in.path());
   for (const WallState& s : walls)
-    if (s.row < 0 || s.row >= w.n || s.contact.wall >= w.walls.size()) throw Error(ErrorCode::io, "a wall contact does not fit the scene", in.path());
+    if (s.row < 0 || s.row >= w.n || s.contact.wall >= w.walls.size())
+      throw Error(ErrorCode::io, "a wall contact does not fit the scene", in.path());
   distribute_contacts(w, contacts, walls);
   if (w.has.walls) w.walls.set_step(w.step, w.scene.dt);
   rebuild_lists(w);
@@ -256,9 +267,10 @@ void Simulation::write_trace(const std::string& path) const {
   bool first = true;
   const auto write = [&](const Chunk& c, const char* label) {
     for (const TraceEvent& e : c.trace) {
-      out << (first ? "" : ",\n") << "{\"ph\":\"X\",\"pid\":1,\"tid\":" << e.thread << ",\"ts\":" << static_cast<double>(e.begin_ns) * 1e-3
-          << ",\"dur\":" << static_cast<double>(e.end_ns - e.begin_ns) * 1e-3 << ",\"name\":\"" << node_name(e.node) << label << "\",\"args\":{\"chunk\":"
-          << e.chunk << "}}";
+      out << (first ? "" : ",\n") << "{\"ph\":\"X\",\"pid\":1,\"tid\":" << e.thread
+          << ",\"ts\":" << static_cast<double>(e.begin_ns) * 1e-3
+          << ",\"dur\":" << static_cast<double>(e.end_ns - e.begin_ns) * 1e-3 << ",\"name\":\"" << node_name(e.node)
+          << label << "\",\"args\":{\"chunk\":" << e.chunk << "}}";
       first = false;
     }
   };
@@ -303,7 +315,9 @@ void Simulation::save(CheckpointWriter& out) const {
   out.add_array("contacts", contacts.data(), contacts.size());
   auto walls = collect_wall_states(w);
   std::vector<WallState> clean(walls.size());
-  if (!clean.empty()) std::memset(static_cast<void*>(clean.data()), 0, clean.size() * sizeof(WallState));  // no padding garbage in the bytes
+  if (!clean.empty())
+    std::memset(static_cast<void*>(clean.data()), 0,
+                clean.size() * sizeof(WallState));  // no padding garbage in the bytes
   for (std::size_t k = 0; k < walls.size(); ++k) {
     clean[k].row = walls[k].row;
     clean[k].contact.wall = walls[k].contact.wall;

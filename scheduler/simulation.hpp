@@ -24,10 +24,10 @@ struct Counters {
   std::int64_t contacts = 0;           ///< touching pairs at the last step (each once)
   std::int64_t wall_contacts = 0;
   std::int64_t sort_epochs = 0;
-  std::int64_t inserted = 0, removed = 0;  ///< cumulative over the trajectory
-  double removed_mass = 0;             ///< [kg], cumulative over the trajectory
+  std::int64_t inserted = 0, removed = 0;                 ///< cumulative over the trajectory
+  double removed_mass = 0;                                ///< [kg], cumulative over the trajectory
   std::int64_t late_detections = 0, missed_contacts = 0;  ///< audit only
-  double border_contact_share = 0;     ///< contacts across chunk borders / contacts
+  double border_contact_share = 0;                        ///< contacts across chunk borders / contacts
   std::vector<std::int64_t> interval_steps;  ///< step of each of the last rebuilds (up to 4096), for the report
 };
 
@@ -35,19 +35,26 @@ struct Counters {
 struct NodeTime {
   std::string node;
   std::int64_t calls = 0;
-  double seconds = 0;                  ///< summed over threads
+  double seconds = 0;  ///< summed over threads
 };
 
 /// What the step consists of; printed by `talus explain`.
 struct Plan {
-  struct Node { std::string name, why, reads, writes; bool in = false; };
-  struct Array { std::string name, why; double bytes_per_particle = 0; bool in = false; };
+  struct Node {
+    std::string name, why, reads, writes;
+    bool in = false;
+  };
+  struct Array {
+    std::string name, why;
+    double bytes_per_particle = 0;
+    bool in = false;
+  };
   std::vector<Node> nodes;
   std::vector<Array> arrays;
-  double bytes_per_particle = 0;       ///< arrays that are in, lists included (measured)
+  double bytes_per_particle = 0;  ///< arrays that are in, lists included (measured)
   std::string law, isa, isa_why, policy;
   int threads = 0, chunk = 0, chunks = 0;
-  std::string graph;                   ///< text picture: nodes in order with edges
+  std::string graph;  ///< text picture: nodes in order with edges
 };
 
 struct FrameRequest {
@@ -69,19 +76,19 @@ class Simulation {
 
   const Scene& scene() const noexcept;
   std::int64_t step() const noexcept;
-  double time() const noexcept;                 ///< step * dt
-  std::int64_t particles() const noexcept;      ///< alive
-  std::uint64_t state_hash() const;             ///< order-free hash over id, x, v, w, history (DESIGN 6)
+  double time() const noexcept;             ///< step * dt
+  std::int64_t particles() const noexcept;  ///< alive
+  std::uint64_t state_hash() const;         ///< order-free hash over id, x, v, w, history (DESIGN 6)
   Counters counters() const;
-  Energies energies() const;                    ///< of the last executed step; zeros where not asked for
-  double kinetic_energy() const;                ///< translation, from v(n-1/2) [J]
+  Energies energies() const;      ///< of the last executed step; zeros where not asked for
+  double kinetic_energy() const;  ///< translation, from v(n-1/2) [J]
   Frame frame(const FrameRequest& request = {}) const;
   Plan plan() const;
-  std::vector<NodeTime> profile() const;        ///< empty unless RunOptions::profile
-  void start_trace();                           ///< records node executions from now on
+  std::vector<NodeTime> profile() const;            ///< empty unless RunOptions::profile
+  void start_trace();                               ///< records node executions from now on
   void write_trace(const std::string& path) const;  ///< Chrome trace JSON
   void save(CheckpointWriter& out) const;
-  std::size_t bytes() const;                    ///< memory of all arrays
+  std::size_t bytes() const;  ///< memory of all arrays
 
  private:
   struct Impl;

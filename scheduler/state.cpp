@@ -14,16 +14,26 @@ namespace talus {
 
 const char* node_name(Node node) noexcept {
   switch (node) {
-    case Node::displacement_check: return "displacement_check";
-    case Node::insert: return "insert";
-    case Node::sort_epoch: return "sort_epoch";
-    case Node::rebuild: return "rebuild";
-    case Node::narrow_phase: return "narrow_phase";
-    case Node::contact_force: return "contact_force";
-    case Node::wall_contact: return "wall_contact";
-    case Node::integrate: return "integrate";
-    case Node::energy: return "energy";
-    default: return "?";
+    case Node::displacement_check:
+      return "displacement_check";
+    case Node::insert:
+      return "insert";
+    case Node::sort_epoch:
+      return "sort_epoch";
+    case Node::rebuild:
+      return "rebuild";
+    case Node::narrow_phase:
+      return "narrow_phase";
+    case Node::contact_force:
+      return "contact_force";
+    case Node::wall_contact:
+      return "wall_contact";
+    case Node::integrate:
+      return "integrate";
+    case Node::energy:
+      return "energy";
+    default:
+      return "?";
   }
 }
 
@@ -122,7 +132,8 @@ void append_particles(World& w, const NewParticles& a, bool at_start) {
       r[w.stride - 1] = fixed ? 0.0 : 1.0 / m;
     }
     if (w.has.energies && !at_start)
-      w.inserted_energy += 0.5 * m * norm2(a.v[q]) - m * dot(w.gravity, a.x[q]) + 0.2 * m * a.r[q] * a.r[q] * norm2(a.w[q]);
+      w.inserted_energy +=
+          0.5 * m * norm2(a.v[q]) - m * dot(w.gravity, a.x[q]) + 0.2 * m * a.r[q] * a.r[q] * norm2(a.w[q]);
   }
   w.alive += static_cast<Row>(a.size());
 }
@@ -188,7 +199,8 @@ std::vector<ContactEntry> collect_contacts(const World& w) {
       ++n;
     }
   }
-  std::sort(out.begin(), out.end(), [](const ContactEntry& l, const ContactEntry& r) { return std::tie(l.a, l.b) < std::tie(r.a, r.b); });
+  std::sort(out.begin(), out.end(),
+            [](const ContactEntry& l, const ContactEntry& r) { return std::tie(l.a, l.b) < std::tie(r.a, r.b); });
   return out;
 }
 
@@ -217,7 +229,9 @@ void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, co
   }
   for (std::size_t k = 0; k < items.size(); ++k) {
     auto& v = items[k];
-    std::sort(v.begin(), v.end(), [](const Item& l, const Item& r) { return std::tie(l.section, l.i, l.j) < std::tie(r.section, r.i, r.j); });
+    std::sort(v.begin(), v.end(), [](const Item& l, const Item& r) {
+      return std::tie(l.section, l.i, l.j) < std::tie(r.section, r.i, r.j);
+    });
     CarriedContacts& c = w.chunks[k]->carried;
     c.i.resize(v.size());
     c.j.resize(v.size());

@@ -34,7 +34,8 @@ namespace {
 
 std::string at_step(const World& w) { return "step " + std::to_string(w.step); }
 
-/// Runs a node's body; exceptions do not cross TBB: the failure of the lowest chunk is kept and rethrown after the wait.
+/// Runs a node's body; exceptions do not cross TBB: the failure of the lowest chunk is kept and rethrown after the
+/// wait.
 template <class F>
 void guarded(World& w, int chunk, F body) {
   if (w.failed.load(std::memory_order_relaxed)) return;
@@ -58,13 +59,15 @@ void collect_results(World& w) {
     if (c.deep_slot >= 0) {
       const Row i = c.row_buffer[0], j = c.row_buffer[1];
       throw Error(ErrorCode::physics,
-                  "particles " + std::to_string(w.id[i]) + " and " + std::to_string(w.id[j]) + " overlap by more than " +
-                      std::to_string(w.scene.max_overlap) + " of the smaller radius",
-                  "step " + std::to_string(w.step - 1), "stiffer contacts, a smaller time step or a larger checks.max_overlap");
+                  "particles " + std::to_string(w.id[i]) + " and " + std::to_string(w.id[j]) +
+                      " overlap by more than " + std::to_string(w.scene.max_overlap) + " of the smaller radius",
+                  "step " + std::to_string(w.step - 1),
+                  "stiffer contacts, a smaller time step or a larger checks.max_overlap");
     }
     if (c.unstable_row >= 0)
       throw Error(ErrorCode::physics,
-                  "particle " + std::to_string(w.id[c.unstable_row]) + ": the stiffness of its contacts makes the time step unstable",
+                  "particle " + std::to_string(w.id[c.unstable_row]) +
+                      ": the stiffness of its contacts makes the time step unstable",
                   "step " + std::to_string(w.step - 1), "a smaller time.step");
     for (std::int32_t k = 0; k < c.out_count; ++k) {
       const Row i = c.out[static_cast<std::size_t>(k)];
@@ -74,8 +77,9 @@ void collect_results(World& w) {
         if (w.scene.domain.boundary[static_cast<std::size_t>(a)][x[a] < 0 ? 0 : 1] != Boundary::open) {
           const Vec3 at = w.position(i);
           throw Error(ErrorCode::physics,
-                      "particle " + std::to_string(w.id[i]) + " left the domain through the closed " + axis[a] + " side at (" +
-                          std::to_string(at.x) + ", " + std::to_string(at.y) + ", " + std::to_string(at.z) + ")",
+                      "particle " + std::to_string(w.id[i]) + " left the domain through the closed " + axis[a] +
+                          " side at (" + std::to_string(at.x) + ", " + std::to_string(at.y) + ", " +
+                          std::to_string(at.z) + ")",
                       at_step(w), "a smaller time.step, stiffer walls, or an open boundary there");
         }
       }
@@ -97,8 +101,8 @@ Decision check_step(World& w, std::int64_t target) {
   }
   if (w.has.walls) w.walls.set_step(w.step, w.scene.dt);
   const bool insertion = w.has.insertion && w.insertion->next_step(w.step) == w.step;
-  const bool event = w.next_event < w.scene.events.size() &&
-                     det::nearest(w.scene.events[w.next_event].time / w.scene.dt) <= w.step;
+  const bool event =
+      w.next_event < w.scene.events.size() && det::nearest(w.scene.events[w.next_event].time / w.scene.dt) <= w.step;
   const bool epoch = w.step % w.scene.sort_every == 0;
   d.structure = insertion || event || epoch;
   bool expired = w.scene.list.policy == ListPolicy::always || (w.has.moving_walls && w.walls.expired());
@@ -157,14 +161,20 @@ void insert_step(World& w) {
           v[w.stride - 1] = 1.0 / w.mass(i);
           w.fixed[i] = 0;
           break;
-        case Event::Action::set_velocity: set_motion(e.vector, e.spin); break;
-        case Event::Action::remove: remove_row(w, i); break;
-        case Event::Action::gravity: break;
+        case Event::Action::set_velocity:
+          set_motion(e.vector, e.spin);
+          break;
+        case Event::Action::remove:
+          remove_row(w, i);
+          break;
+        case Event::Action::gravity:
+          break;
       }
     }
   }
   if (w.has.insertion && w.insertion->next_step(w.step) == w.step) {
-    const NewParticles a = w.insertion->batch(w.step, PresentParticles{std::span<const double>(w.p.data(), 4L * static_cast<std::size_t>(w.n))});
+    const NewParticles a = w.insertion->batch(
+        w.step, PresentParticles{std::span<const double>(w.p.data(), 4L * static_cast<std::size_t>(w.n))});
     if (a.size() > 0) {
       append_particles(w, a, w.step == 0);
       w.counters.inserted += static_cast<std::int64_t>(a.size());
@@ -192,7 +202,8 @@ void rebuild_step(World& w, bool forced) {
   } else {
     ++w.counters.rebuilds_skin;
     const std::int64_t interval = w.step - w.last_rebuild_step;
-    if (w.counters.shortest_interval == 0 || interval < w.counters.shortest_interval) w.counters.shortest_interval = interval;
+    if (w.counters.shortest_interval == 0 || interval < w.counters.shortest_interval)
+      w.counters.shortest_interval = interval;
   }
   if (w.counters.interval_steps.size() < 4096) w.counters.interval_steps.push_back(w.step);
   w.last_rebuild_step = w.step;
@@ -212,7 +223,8 @@ void finish_step(World& w) {
         const double* e = w.energy.data() + 4L * i;
         for (int k = 1; k < 3; ++k) part[k] = part[k] + e[k];
         if (w.scene.viscous_damping != 0 && w.is_alive(i)) {
-          const double *v = w.v.data() + static_cast<long>(w.stride) * i, *u = w.v2.data() + static_cast<long>(w.stride) * i;
+          const double *v = w.v.data() + static_cast<long>(w.stride) * i,
+                       *u = w.v2.data() + static_cast<long>(w.stride) * i;
           double q = 0, rot = 0;
           for (int k = 0; k < 3; ++k) q += u[k] * (0.5 * (u[k] + v[k]));
           if (w.has.rotation)
@@ -242,14 +254,17 @@ void run_graph(World& w, std::int64_t target) {
   while (running) {
     arena.execute([&] {
       graph g;
-      // Typed nodes in order; a merge is a function_node (a continue_node counts predecessors), a branch a multifunction_node.
+      // Typed nodes in order; a merge is a function_node (a continue_node counts predecessors), a branch a
+      // multifunction_node.
       using Check = multifunction_node<Go, std::tuple<Go, Go>>;
       Check displacement_check(g, serial, [&w, target](const Go&, Check::output_ports_type& ports) {
         Decision d;
         guarded(w, -1, [&] { d = check_step(w, target); });
         if (d.stop || w.failed.load()) return;
-        if (d.rebuild) std::get<0>(ports).try_put(Go());
-        else std::get<1>(ports).try_put(Go());
+        if (d.rebuild)
+          std::get<0>(ports).try_put(Go());
+        else
+          std::get<1>(ports).try_put(Go());
       });
       const bool inserts = w.has.insertion || w.has.events;
       function_node<Go, Go> insert(g, serial, [&w](const Go&) {
@@ -262,8 +277,10 @@ void run_graph(World& w, std::int64_t target) {
           const bool epoch = w.step % w.scene.sort_every == 0;
           bool expired = w.scene.list.policy == ListPolicy::always || (w.has.moving_walls && w.walls.expired());
           for (const auto& c : w.chunks) expired = expired || c->expired != 0;
-          if (epoch) sort_step(w);
-          else rebuild_step(w, !expired);
+          if (epoch)
+            sort_step(w);
+          else
+            rebuild_step(w, !expired);
         });
         // another number of chunks needs another graph
         if (!w.failed.load() && static_cast<int>(w.chunks.size()) == w.graph_chunks) std::get<0>(ports).try_put(Go());
@@ -312,8 +329,10 @@ void run_graph(World& w, std::int64_t target) {
       make_edge(output_port<0>(rebuild), start);
       make_edge(output_port<1>(displacement_check), start);
       make_edge(join, displacement_check);
-      if (enter_at_start) start.try_put(Go());
-      else displacement_check.try_put(Go());
+      if (enter_at_start)
+        start.try_put(Go());
+      else
+        displacement_check.try_put(Go());
       g.wait_for_all();
     });
     enter_at_start = false;

@@ -21,7 +21,7 @@
 
 namespace talus {
 
-inline constexpr double k_gone = 1e150;   ///< coordinate of removed rows: touches nothing, stays finite
+inline constexpr double k_gone = 1e150;  ///< coordinate of removed rows: touches nothing, stays finite
 inline constexpr int k_energy_block = 1024;
 
 /// Which optional parts a scene needs (DESIGN 4, "leaving out"). Decided once from the scene.
@@ -33,7 +33,18 @@ struct Features {
 };
 
 /// Nodes of the step graph, in order; names are the same in graph, explain, profile and trace.
-enum class Node : int { displacement_check, insert, sort_epoch, rebuild, narrow_phase, contact_force, wall_contact, integrate, energy, count };
+enum class Node : int {
+  displacement_check,
+  insert,
+  sort_epoch,
+  rebuild,
+  narrow_phase,
+  contact_force,
+  wall_contact,
+  integrate,
+  energy,
+  count
+};
 const char* node_name(Node node) noexcept;
 
 /// Contact of a particle with a wall, with its history (I5).
@@ -67,8 +78,8 @@ struct TraceEvent {
 /// Per-execution buffers of one chunk between narrow phase and integration; pooled so that they stay in cache.
 struct Scratch {
   Column<std::int32_t> ci, cj;
-  Column<double> f;                       ///< force rows of the chunk
-  Column<double> h[k_max_history];        ///< history of the present step, swapped with the chunk's
+  Column<double> f;                 ///< force rows of the chunk
+  Column<double> h[k_max_history];  ///< history of the present step, swapped with the chunk's
 };
 
 /// Owner of rows [lo, hi).
@@ -79,21 +90,21 @@ struct Chunk {
   Column<std::int32_t> pi, pj;
   Column<std::uint8_t> mask;
   std::int64_t end[3] = {0, 0, 0};
-  std::int64_t pairs[3] = {0, 0, 0};      ///< without padding
+  std::int64_t pairs[3] = {0, 0, 0};  ///< without padding
   // contacts of the last step
   Column<double> h[k_max_history];
   std::int64_t contact_end[3] = {0, 0, 0};
-  CarriedContacts carried;                ///< filled only while a rebuild runs
+  CarriedContacts carried;  ///< filled only while a rebuild runs
   // walls
-  Column<std::int32_t> wall_row;          ///< rows with candidates, ascending
-  Column<std::int32_t> wall_begin;        ///< [rows + 1] into wall_element
+  Column<std::int32_t> wall_row;    ///< rows with candidates, ascending
+  Column<std::int32_t> wall_begin;  ///< [rows + 1] into wall_element
   std::vector<std::int32_t> wall_element;
-  std::vector<WallState> wall_state;      ///< contacts of the last step, ascending (row, wall, element)
+  std::vector<WallState> wall_state;  ///< contacts of the last step, ascending (row, wall, element)
   std::vector<WallState> wall_next;
-  std::vector<Vec3> wall_force;           ///< on the particle, parallel to wall_state
-  std::vector<Vec3> wall_point;           ///< contact points, parallel to wall_state
+  std::vector<Vec3> wall_force;  ///< on the particle, parallel to wall_state
+  std::vector<Vec3> wall_point;  ///< contact points, parallel to wall_state
   // energies of the step, one row of {elastic, damping, friction, background} per particle of the chunk
-  std::vector<double> wall_power;         ///< work of moving walls in this step, parallel to wall_state
+  std::vector<double> wall_power;  ///< work of moving walls in this step, parallel to wall_state
   // results of integrate
   Column<std::int32_t> out;
   std::int32_t out_count = 0;
@@ -139,31 +150,31 @@ struct World {
   int law_variant = 0;
   std::vector<PairParameters> parameters;  ///< particle pairs, and walls (same table: walls are materials)
   LawArgs law_args{};
-  int stride = 4;                          ///< doubles per velocity and force row (8 with rotation)
+  int stride = 4;  ///< doubles per velocity and force row (8 with rotation)
   int threads = 1;
 
   // particles, [n] rows (+ one dead row n, padded)
   Row n = 0;
   Row alive = 0;
-  Column<double> p, p2;                    ///< {x, y, z, r}
-  Column<double> v, v2;                    ///< {v, 0 | r w, 1/m} or {v, 1/m}
-  Column<double> x0;                       ///< {x, y, z at the rebuild, skin^2}
+  Column<double> p, p2;  ///< {x, y, z, r}
+  Column<double> v, v2;  ///< {v, 0 | r w, 1/m} or {v, 1/m}
+  Column<double> x0;     ///< {x, y, z at the rebuild, skin^2}
   Column<ParticleId> id;
-  Column<std::uint8_t> material;           ///< only with several materials
-  Column<std::uint8_t> fixed;              ///< only where something can be fixed
-  Column<std::int16_t> group;              ///< only with groups
-  Column<double> energy;                   ///< [4 n] only with energies
+  Column<std::uint8_t> material;  ///< only with several materials
+  Column<std::uint8_t> fixed;     ///< only where something can be fixed
+  Column<std::int16_t> group;     ///< only with groups
+  Column<double> energy;          ///< [4 n] only with energies
   ParticleId next_id = 0;
-  bool velocity_at_old_step = false;       ///< v2 holds v(n-3/2) of the same rows (for |a| in the skin)
+  bool velocity_at_old_step = false;  ///< v2 holds v(n-3/2) of the same rows (for |a| in the skin)
 
   std::int64_t step = 0;
   double r_min = 0, r_max = 0;
-  Vec3 size;                               ///< domain extent [m]
+  Vec3 size;  ///< domain extent [m]
   Vec3 gravity;
   int chunk_size = 4096;
   std::vector<std::unique_ptr<Chunk>> chunks;
-  Chunk serial;                            ///< times of the serial nodes
-  int graph_chunks = 0;                    ///< chunks the step graph was built for
+  Chunk serial;          ///< times of the serial nodes
+  int graph_chunks = 0;  ///< chunks the step graph was built for
   ScratchPool scratch;
 
   // broad phase
@@ -175,10 +186,10 @@ struct World {
   std::vector<std::int32_t> cell_start, pencil_rank;
   std::int32_t cells[3] = {0, 0, 0};
 
-  WallSet walls;                           ///< positions relative to the domain's lower corner, like p
+  WallSet walls;  ///< positions relative to the domain's lower corner, like p
   std::unique_ptr<Insertion> insertion;
   std::size_t next_event = 0;
-  double unstable_limit = 0;               ///< bound on row sum / mass [1/s2]
+  double unstable_limit = 0;  ///< bound on row sum / mass [1/s2]
 
   // cumulative
   Counters counters;
@@ -186,19 +197,19 @@ struct World {
   double loss_damping = 0, loss_friction = 0, loss_background = 0, wall_work = 0, inserted_energy = 0;
   double start_energy = 0;
   bool start_energy_known = false;
-  std::vector<Removal> removals;           ///< since the last frame, for flux
+  std::vector<Removal> removals;  ///< since the last frame, for flux
   bool tracing = false;
   std::chrono::steady_clock::time_point trace_start;
   std::atomic<bool> failed{false};
   std::mutex error_mutex;
   int error_chunk = 0;
-  std::exception_ptr error;                ///< the failure of the lowest chunk
-  bool lists_valid = false;                ///< false: the next check must rebuild whatever the skins say
+  std::exception_ptr error;  ///< the failure of the lowest chunk
+  bool lists_valid = false;  ///< false: the next check must rebuild whatever the skins say
 
-  double mass(Row i) const;                ///< [kg] from material and radius
+  double mass(Row i) const;  ///< [kg] from material and radius
   int chunk_of(Row i) const { return static_cast<int>(i / chunk_size); }
   int pair_index(int a, int b) const { return a * static_cast<int>(scene.materials.size()) + b; }
-  Vec3 position(Row i) const;              ///< absolute [m]
+  Vec3 position(Row i) const;  ///< absolute [m]
   bool is_alive(Row i) const { return p[4L * i] < 1e100; }
 };
 
@@ -216,19 +227,19 @@ class NodeTimer {
 };
 
 // --- state.cpp: storage -------------------------------------------------------------------------------------------
-void set_particle_capacity(World& w, Row n);               ///< resizes columns to n rows (+ dead row), keeps content
+void set_particle_capacity(World& w, Row n);  ///< resizes columns to n rows (+ dead row), keeps content
 void append_particles(World& w, const NewParticles& a, bool at_start);
-void make_chunks(World& w);                                ///< cuts rows into chunks; keeps existing ones in place
-void remove_row(World& w, Row i);                          ///< marks a row dead (I2), counts it
+void make_chunks(World& w);        ///< cuts rows into chunks; keeps existing ones in place
+void remove_row(World& w, Row i);  ///< marks a row dead (I2), counts it
 std::vector<ContactEntry> collect_contacts(const World& w);
 std::vector<WallState> collect_wall_states(const World& w);
 void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, const std::vector<WallState>& walls);
 std::uint64_t state_hash(const World& w);
 
 // --- rebuild.cpp --------------------------------------------------------------------------------------------------
-void sort_epoch(World& w);                                 ///< compacts and permutes rows into Morton order
-void carry_from_lists(World& w);                           ///< chunk contacts -> chunk.carried
-void rebuild_lists(World& w);                              ///< skins, cells, lists, history
+void sort_epoch(World& w);        ///< compacts and permutes rows into Morton order
+void carry_from_lists(World& w);  ///< chunk contacts -> chunk.carried
+void rebuild_lists(World& w);     ///< skins, cells, lists, history
 
 // --- chunk_work.cpp -----------------------------------------------------------------------------------------------
 void narrow_chunk(World& w, Chunk& c);
@@ -243,12 +254,12 @@ void integrate_chunk(World& w, Chunk& c);
 struct Decision {
   bool stop = false, structure = false, rebuild = false;
 };
-Decision check_step(World& w, std::int64_t target);        ///< failures, removals, displacement check
-void insert_step(World& w);                                ///< events and batches of the present step
-void sort_step(World& w);                                  ///< sort epoch if the present step is one
+Decision check_step(World& w, std::int64_t target);  ///< failures, removals, displacement check
+void insert_step(World& w);                          ///< events and batches of the present step
+void sort_step(World& w);                            ///< sort epoch if the present step is one
 void rebuild_step(World& w, bool forced);
-void finish_step(World& w);                                ///< swaps buffers, reduces energies, advances n
-void run_graph(World& w, std::int64_t target);             ///< throws the first failure
+void finish_step(World& w);                     ///< swaps buffers, reduces energies, advances n
+void run_graph(World& w, std::int64_t target);  ///< throws the first failure
 std::string graph_picture(const World& w);
 
 // --- observe.cpp --------------------------------------------------------------------------------------------------
@@ -257,7 +268,7 @@ double kinetic_energy_of(const World& w);
 Frame frame_of(World& w, const FrameRequest& request);
 Plan plan_of(const World& w);
 std::size_t bytes_of(const World& w);
-std::int64_t audit_lists(const World& w);                  ///< touching pairs that the list lacks, by brute force
+std::int64_t audit_lists(const World& w);  ///< touching pairs that the list lacks, by brute force
 
 /// Runs fn(chunk) over all chunks in parallel, isolated from the graph (a waiting thread may steal no graph node).
 void for_chunks(World& w, void (*fn)(World&, Chunk&));

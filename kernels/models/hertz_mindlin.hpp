@@ -78,13 +78,12 @@ void force(HertzMindlin, Block& b, const LawArgs& a) {
       S::store(b.h[3] + k, radius);
       if constexpr (Energy) {
         // Elastic energy of the tangential spring F^2 / (2 S_t). Sliding loses (trial - F) / S_t times the mean of the
-        // force before and after the step. A change of the contact radius changes F^2 / S_t by the ratio of the smaller to
-        // the larger one (F is rescaled on unloading, S_t grows at constant F on loading); neither partner gets that
+        // force before and after the step. A change of the contact radius changes F^2 / S_t by the ratio of the smaller
+        // to the larger one (F is rescaled on unloading, S_t grows at constant F on loading); neither partner gets that
         // energy, it counts as friction.
         const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2], t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
         B slip = zero;
-        for (int q = 0; q < 3; ++q)
-          slip = slip + (half * ((trial[q] + st * (t[q] * dt)) + h[q])) * (trial[q] - h[q]);
+        for (int q = 0; q < 3; ++q) slip = slip + (half * ((trial[q] + st * (t[q] * dt)) + h[q])) * (trial[q] - h[q]);
         const B kept = S::select(S::lt(radius, last), rescale, last / radius);
         const B released = half * (before * (one - kept)) / c.kt;
         S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (h2 / st));

@@ -1,9 +1,9 @@
 // Linear spring-dashpot with Coulomb friction and tangential history (Cundall & Strack; LAMMPS gran/hooke/history).
 //   F_n = k_n delta - gamma_n m_eff v_n,   F_t = -(k_t xi + gamma_t m_eff v_t),   |F_t| <= mu max(F_n, 0)
 // Dashpot `centred`: velocities are known at n-1/2; the force of step n is made consistent with the velocity at n,
-// v_n = v(n-1/2) + F dt/(2 m_eff), solved for the pair alone: both force components shrink by 1/(1 + gamma dt/2) (second
-// order; `lagged` uses v(n-1/2) as it stands: first order). Onset correction: the dashpot acts from the first instant of
-// touch to the last, so its impulse in the step that holds that instant is weighed with the touching time
+// v_n = v(n-1/2) + F dt/(2 m_eff), solved for the pair alone: both force components shrink by 1/(1 + gamma dt/2)
+// (second order; `lagged` uses v(n-1/2) as it stands: first order). Onset correction: the dashpot acts from the first
+// instant of touch to the last, so its impulse in the step that holds that instant is weighed with the touching time
 // (1/2 + delta/(|v_n| dt)) instead of 1; without it restitution has an error of order dt that depends on the phase.
 // History: 3 columns, the tangential spring xi [m], oriented i - j.
 // Reads kn, kt [N/m], gn, gt [1/s] (or 2 beta [-] with by_restitution), mu.
@@ -53,8 +53,8 @@ struct Coefficients {
 /// Tangential displacement rate of the contact point, v_t = v - (v.c) c - s x c with s = lever (r_i w_i + r_j w_j).
 /// synchronised: velocity and spin are those of n-1/2, so c is the normal of that instant too, c = (x(n) - v dt/2)/d.
 /// With the normal at n the spin's part is off by s x (v_t dt/2d): a grain that rolls around another one then winds its
-/// spring up along the normal plane at a constant rate, is drawn in and sticks (VERIFICATION 3.8). 1/|c|^2 is expanded to
-/// 1 + 2 vn dt/2d, which leaves (v dt/2d)^2 of the normal velocity, along c.
+/// spring up along the normal plane at a constant rate, is drawn in and sticks (VERIFICATION 3.8). 1/|c|^2 is expanded
+/// to 1 + 2 vn dt/2d, which leaves (v dt/2d)^2 of the normal velocity, along c.
 template <class S>
 TALUS_INLINE void tangential_velocity(const typename S::B* v, const typename S::B* s, const typename S::B* n,
                                       typename S::B vn, typename S::B inv, double dt, int synchronised,
@@ -71,8 +71,8 @@ TALUS_INLINE void tangential_velocity(const typename S::B* v, const typename S::
   t[2] = (v[2] - q * c[2]) - (s[0] * c[1] - s[1] * c[0]);
 }
 
-/// Denominators of the centred dashpot and what else depends on the coefficients alone; loop-invariant where the scene has
-/// one material pair and damping rates, because divisions and square roots are what bounds this kernel.
+/// Denominators of the centred dashpot and what else depends on the coefficients alone; loop-invariant where the scene
+/// has one material pair and damping rates, because divisions and square roots are what bounds this kernel.
 template <class S>
 struct LinearFactors {
   typename S::B gn, gt, shrink_n, shrink_t, back;
@@ -163,8 +163,8 @@ void force(Linear, Block& b, const LawArgs& args) {
       }
       if constexpr (Energy) {
         const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2], t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
-        // the slider moves by what the trial spring exceeds the final one, against the mean of the spring's force before and
-        // after the step (a Coulomb limit that falls releases a loaded spring within few steps)
+        // the slider moves by what the trial spring exceeds the final one, against the mean of the spring's force
+        // before and after the step (a Coulomb limit that falls releases a loaded spring within few steps)
         B slip = zero;
         for (int p = 0; p < 3; ++p) slip = slip + (half * ((trial[p] - t[p] * dt) + h[p])) * (trial[p] - h[p]);
         S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (c.kt * h2));

@@ -1,0 +1,91 @@
+// Scalar oracle of the contact laws; see reference.hpp.
+#include "kernels/reference.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace talus::reference {
+
+namespace {
+
+struct Kinematics {
+  Vec3 n, vt;
+  double d, delta, vn, meff, lever;
+};
+
+Kinematics kinematics(const Pair& p, const LawArgs& a) {
+  Kinematics k;
+  const Vec3 x = p.xi - p.xj;
+  k.d = norm(x);
+  k.n = (1 / k.d) * x;
+  k.delta = p.ri + p.rj - k.d;
+  k.meff = 1 / (1 / p.mi + 1 / p.mj);
+  k.lever = a.contact_lever != 0 ? k.d / (p.ri + p.rj) : 1;
+  const Vec3 v = p.vi - p.vj;
+  k.vn = dot(v, k.n);
+  // the part of the relative velocity along the line of centres, with the normal at n or at mid-step
+  Vec3 along = k.vn * k.n;
+  if (a.synchronised != 0) {
+    const Vec3 mid = x - (0.5 * a.dt) * v;
+    along = (dot(v, mid) / dot(mid, mid)) * mid;
+  }
+  // surface velocities: v_i + w_i x (-l_i n), v_j + w_j x (l_j n) with l = lever * radius
+  k.vt = v - along - cross((k.lever * p.ri) * p.wi + (k.lever * p.rj) * p.wj, k.n);
+  return k;
+}
+
+Result assemble(const Pair& p, const Kinematics& k, double fn, Vec3 ft) {
+  Result r;
+  r.force = fn * k.n + ft;
+  r.torque_i = cross((-k.lever * p.ri) * k.n, ft);
+  r.torque_j = cross((k.lever * p.rj) * k.n, -ft);
+  return r;
+}
+
+}  // namespace
+
+Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& xi) {
+  const Kinematics k = kinematics(p, a);
+  const double scale = a.by_restitution != 0 ? std::sqrt(c.kn / k.meff) : 1;
+  const double gamma_t = c.gt * scale;
+  double gamma_n = c.gn * scale;
+  if (a.centred != 0 && a.onset != 0 && k.delta < std::abs(k.vn) * a.dt)
+    gamma_n *= 0.5 + k.delta / (std::abs(k.vn) * a.dt);
+  double fn = c.kn * k.delta - gamma_n * k.meff * k.vn;
+  if (a.centred != 0) fn /= 1 + 0.5 * a.dt * gamma_n;
+  if (!friction) return assemble(p, k, fn, {});
+  xi = xi - dot(xi, k.n) * k.n + a.dt * k.vt;
+  const double shrink = a.centred != 0 ? 1 / (1 + 0.5 * 3.5 * a.dt * gamma_t) : 1;
+  Vec3 ft = -shrink * (c.kt * xi + (gamma_t * k.meff) * k.vt);
+  const double limit = c.mu * std::max(fn, 0.0), size = norm(ft);
+  if (size > limit) {
+    ft = (limit / size) * ft;
+    xi = (-1 / (c.kt * shrink)) * (ft + (shrink * gamma_t * k.meff) * k.vt);
+  }
+  return assemble(p, k, fn, ft);
+}
+
+Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& ft,
+                     double& radius) {
+  const Kinematics k = kinematics(p, a);
+  const double reff = p.rj > 0 ? p.ri * p.rj / (p.ri + p.rj) : p.ri;
+  const double contact = std::sqrt(reff * k.delta), sn = c.kn * contact, st = c.kt * contact;
+  const double cn = c.gn * std::sqrt(k.meff * sn), ct = c.gt * std::sqrt(k.meff * st);
+  double fn = sn * k.delta - cn * k.vn;
+  if (a.centred != 0) fn /= 1 + 0.5 * a.dt * cn / k.meff;
+  if (!friction) return assemble(p, k, fn, {});
+  ft = ft - dot(ft, k.n) * k.n;
+  if (contact < radius) ft = (contact / radius) * ft;
+  ft = ft - (st * a.dt) * k.vt;
+  radius = contact;
+  const double shrink = a.centred != 0 ? 1 / (1 + 0.5 * 3.5 * a.dt * ct / k.meff) : 1;
+  Vec3 total = shrink * (ft - ct * k.vt);
+  const double limit = c.mu * std::max(fn, 0.0), size = norm(total);
+  if (size > limit) {
+    total = (limit / size) * total;
+    ft = (1 / shrink) * total + ct * k.vt;
+  }
+  return assemble(p, k, fn, total);
+}
+
+}  // namespace talus::reference

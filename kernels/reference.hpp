@@ -1,0 +1,31 @@
+// Scalar oracle of the contact laws, written to be read: vectors, one pair at a time, the formulae in the order of the
+// papers. Who calls it: tests only. It shares no code with the kernels, so agreement means something.
+#pragma once
+
+#include "core/types.hpp"
+#include "kernels/views.hpp"
+
+namespace talus::reference {
+
+/// Motion and geometry of one contact, oriented from j to i.
+struct Pair {
+  Vec3 xi, xj;            ///< centres [m]
+  Vec3 vi, vj;            ///< velocities at n-1/2 [m/s]
+  Vec3 wi, wj;            ///< spins at n-1/2 [rad/s]
+  double ri = 0, rj = 0;  ///< radii [m]
+  double mi = 0, mj = 0;  ///< masses [kg]; infinity for a fixed partner
+};
+
+struct Result {
+  Vec3 force;               ///< on i [N]
+  Vec3 torque_i, torque_j;  ///< [N m]
+};
+
+/// Linear spring-dashpot with friction (kernels/models/linear.hpp); `xi` is the tangential spring [m], updated.
+Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& xi);
+
+/// Hertz-Mindlin (kernels/models/hertz_mindlin.hpp); `ft` is the elastic tangential force [N], `radius` the last
+/// contact radius [m], both updated.
+Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& ft, double& radius);
+
+}  // namespace talus::reference

@@ -1,0 +1,343 @@
+// Kernels against the scalar oracle, and all instruction sets against each other bit for bit, on random batches that
+// cover block tails, sections, new and lost contacts, sliding and sticking, first and last touching steps.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "core/rng.hpp"
+#include "kernels/kernel_table.hpp"
+#include "kernels/reference.hpp"
+
+namespace talus {
+namespace {
+
+struct Batch {
+  Column<double> p, v;
+  std::vector<reference::Pair> pairs;
+  Column<std::int32_t> i, j;
+  std::vector<Vec3> history;
+  std::vector<double> radius;
+};
+
+/// n touching pairs of random spheres: rows 2k and 2k + 1.
+Batch make_batch(int n, bool rotation, std::uint64_t seed) {
+  const CounterRng rng(seed, 1, 0);
+  std::uint64_t c = 0;
+  const auto u = [&] { return 2 * rng.uniform(c++) - 1; };
+  Batch b;
+  const int stride = rotation ? 8 : 4;
+  b.p.resize(4 * (2 * n + 16));
+  b.v.resize(stride * (2 * n + 16));
+  std::fill(b.p.begin(), b.p.end(), 0.0);
+  std::fill(b.v.begin(), b.v.end(), 0.0);
+  for (int k = 2 * n; k < 2 * n + 16; ++k) {
+    for (int q = 0; q < 3; ++q) b.p[4 * k + q] = 1e150;
+    b.v[stride * k + stride - 1] = 1;
+  }
+  for (int k = 0; k < n; ++k) {
+    reference::Pair t;
+    t.ri = 0.5 * (1 + 0.5 * u());
+    t.rj = 0.5 * (1 + 0.5 * u());
+    Vec3 dir{u(), u(), u()};
+    dir = (1 / norm(dir)) * dir;
+    const double delta = k % 5 == 0 ? 1e-6 * (1.001 + u()) : 1e-2 * (0.5 + 0.49 * u());
+    t.xj = {10 * u(), 10 * u(), 10 * u()};
+    t.xi = t.xj + (t.ri + t.rj - delta) * dir;
+    t.vi = {u(), u(), u()};
+    t.vj = {u(), u(), u()};
+    if (rotation) {
+      t.wi = {u(), u(), u()};
+      t.wj = {u(), u(), u()};
+    }
+    t.mi = 1 + 0.5 * u();
+    t.mj = k % 7 == 0 ? INFINITY : 1 + 0.5 * u();
+    const auto put = [&](int row, Vec3 x, double r, Vec3 v, Vec3 w, double m) {
+      const double x4[4] = {x.x, x.y, x.z, r};
+      std::memcpy(b.p.data() + 4 * row, x4, sizeof x4);
+      double* q = b.v.data() + stride * row;
+      for (int e = 0; e < 3; ++e) q[e] = v[e];
+      if (rotation)
+        for (int e = 0; e < 3; ++e) q[4 + e] = r * w[e];
+      q[stride - 1] = 1 / m;
+    };
+    put(2 * k, t.xi, t.ri, t.vi, t.wi, t.mi);
+    put(2 * k + 1, t.xj, t.rj, t.vj, t.wj, t.mj);
+    // the oracle must see what the rows hold, rounding included
+    t.xi = {b.p[8 * k], b.p[8 * k + 1], b.p[8 * k + 2]};
+    b.pairs.push_back(t);
+    b.i.push_back(2 * k);
+    b.j.push_back(2 * k + 1);
+    b.history.push_back(1e-3 * Vec3{u(), u(), u()});
+    b.radius.push_back(k % 3 == 0 ? 0.0 : 0.1 * (1 + 0.9 * u()));
+  }
+  for (int k = 0; k < k_pad; ++k) {
+    b.i.push_back(2 * n);
+    b.j.push_back(2 * n);
+  }
+  return b;
+}
+
+struct Output {
+  std::vector<double> r[8], h[k_max_history], e[3];
+};
+
+Output run_law(const KernelTable& k, Batch& b, int n, const LawInfo& law, bool friction, bool multi, bool energy,
+               const LawArgs& args) {
+  alignas(64) static double x[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad], reff[k_block + k_pad];
+  alignas(64) static std::int32_t pair[k_block + k_pad];
+  std::memset(r, 0, sizeof r);
+  std::fill(reff, reff + k_block + k_pad, 1.0);
+  std::memset(pair, 0, sizeof pair);
+  GatherArgs g{};
+  g.v = b.v.data();
+  g.p = b.p.data();
+  g.i = b.i.data();
+  g.j = b.j.data();
+  g.n = n;
+  g.x = x;
+  g.r = r;
+  g.reff = law.wants_reff ? reff : nullptr;
+  k.gather[friction ? 1 : 0](g);
+  Column<double> h[k_max_history];
+  Block block{};
+  block.n = n;
+  block.x = x[0];
+  block.y = x[1];
+  block.z = x[2];
+  block.w = x[3];
+  block.r = r;
+  for (int q = 0; q < k_max_history; ++q) {
+    h[q].assign(static_cast<std::size_t>(n + k_pad), 0.0);
+    for (int s = 0; s < n; ++s)
+      h[q][s] = q < 3 ? b.history[static_cast<std::size_t>(s)][q] : b.radius[static_cast<std::size_t>(s)];
+    block.h[q] = h[q].data();
+  }
+  block.reff = reff;
+  block.pair = pair;
+  block.e = e;
+  k.law[law_index(law, friction, multi, energy)](block, args);
+  Output o;
+  for (int q = 0; q < 8; ++q) o.r[q].assign(r[q], r[q] + n);
+  for (int q = 0; q < k_max_history; ++q) o.h[q].assign(h[q].begin(), h[q].begin() + n);
+  if (energy)
+    for (int q = 0; q < 3; ++q) o.e[q].assign(e[q], e[q] + n);
+  return o;
+}
+
+LawArgs law_args(ContactModel model, int variant) {
+  LawArgs a{};
+  if (model == ContactModel::linear)
+    a.one = {2e3, 6e2, 30, 15, 0.4};
+  else
+    a.one = {1e5, 8e4, 0.5, 0.4, 0.4};
+  a.dt = 1e-3;
+  a.by_restitution = variant % 2;
+  if (a.by_restitution != 0 && model == ContactModel::linear) a.one.gn = a.one.gt = 0.3;
+  a.centred = (variant / 2) % 2;
+  a.onset = a.centred;
+  a.synchronised = (variant / 4) % 2;
+  a.contact_lever = (variant / 8) % 2;
+  return a;
+}
+
+bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0);
+}
+
+TEST(Law, AgreesWithTheScalarOracle) {
+  // Rounding only: forces cancel to about 1e-3 of their terms at most, hence 1e-11 of the largest force in the batch.
+  for (const ContactModel model : {ContactModel::linear, ContactModel::hertz_mindlin})
+    for (int variant = 0; variant < 16; ++variant)
+      for (const bool friction : {false, true}) {
+        const int n = 125;
+        Batch b = make_batch(n, friction, 7 + static_cast<std::uint64_t>(variant));
+        const LawArgs a = law_args(model, variant);
+        const Output o = run_law(select_kernels(Isa::scalar), b, n, law_info(model), friction, false, false, a);
+        double top = 0;
+        for (int k = 0; k < n; ++k)
+          for (int q = 0; q < 3; ++q) top = std::max(top, std::abs(o.r[q][static_cast<std::size_t>(k)]));
+        for (int k = 0; k < n; ++k) {
+          const auto s = static_cast<std::size_t>(k);
+          Vec3 h = b.history[s];
+          double radius = b.radius[s];
+          const reference::Pair& p = b.pairs[s];
+          const auto expect = model == ContactModel::linear
+                                  ? reference::linear(p, a.one, a, friction, h)
+                                  : reference::hertz_mindlin(p, a.one, a, friction, h, radius);
+          for (int q = 0; q < 3; ++q) {
+            ASSERT_NEAR(o.r[q][s], expect.force[q], 1e-11 * top)
+                << "model " << static_cast<int>(model) << " variant " << variant << " pair " << k;
+            if (friction) {
+              ASSERT_NEAR(p.ri * o.r[4 + q][s], expect.torque_i[q], 1e-11 * top);
+              ASSERT_NEAR(p.rj * o.r[4 + q][s], expect.torque_j[q], 1e-11 * top);
+              ASSERT_NEAR(o.h[q][s], h[q], 1e-11 * (model == ContactModel::linear ? 1 : top));
+            }
+          }
+        }
+      }
+}
+
+TEST(Law, GivesTheSameBitsOnEveryInstructionSet) {
+  for (const ContactModel model : {ContactModel::linear, ContactModel::hertz_mindlin})
+    for (int variant = 0; variant < 16; ++variant)
+      for (int kind = 0; kind < 8; ++kind)
+        for (const int n : {1, 3, 8, 61, 128}) {
+          const bool friction = kind % 2 != 0, multi = kind / 2 % 2 != 0, energy = kind / 4 != 0;
+          Batch b = make_batch(n, friction, 100 + static_cast<std::uint64_t>(variant));
+          LawArgs a = law_args(model, variant);
+          a.table = &a.one;
+          const Output o = run_law(select_kernels(Isa::scalar), b, n, law_info(model), friction, multi, energy, a);
+          for (const Isa isa : available_isas()) {
+            const Output t = run_law(select_kernels(isa), b, n, law_info(model), friction, multi, energy, a);
+            for (int q = 0; q < 8; ++q)
+              if (friction || q < 4)
+                ASSERT_TRUE(same_bits(o.r[q], t.r[q]))
+                    << isa_name(isa) << " lane " << q << " variant " << variant << " kind " << kind;
+            for (int q = 0; q < 3; ++q) ASSERT_TRUE(same_bits(o.e[q], t.e[q])) << isa_name(isa) << " energy " << q;
+            if (friction)
+              for (int q = 0; q < law_info(model).history; ++q)
+                ASSERT_TRUE(same_bits(o.h[q], t.h[q])) << isa_name(isa) << " history " << q;
+          }
+        }
+}
+
+TEST(Law, SwappingThePartnersNegatesTheForceExactly) {
+  // Pairs across a chunk border are evaluated by both owners: antisymmetry must hold to the bit (DESIGN 2.6).
+  for (const ContactModel model : {ContactModel::linear, ContactModel::hertz_mindlin}) {
+    const int n = 128;
+    Batch b = make_batch(n, true, 5);
+    const LawArgs a = law_args(model, 14);
+    const KernelTable& k = select_kernels(Isa::automatic);
+    const Output o = run_law(k, b, n, law_info(model), true, false, false, a);
+    std::swap(b.i, b.j);
+    for (Vec3& h : b.history) h = -h;
+    const Output t = run_law(k, b, n, law_info(model), true, false, false, a);
+    for (std::size_t s = 0; s < static_cast<std::size_t>(n); ++s)
+      for (int q = 0; q < 3; ++q) {
+        ASSERT_EQ(o.r[q][s], -t.r[q][s]);
+        ASSERT_EQ(o.r[4 + q][s], t.r[4 + q][s]);
+        ASSERT_EQ(o.h[q][s], -t.h[q][s]);
+      }
+  }
+}
+
+struct NarrowResult {
+  std::vector<std::int32_t> ci, cj;
+  std::vector<std::uint8_t> mask;
+  std::vector<double> h[3];
+  std::int64_t end[3];
+};
+
+NarrowResult run_narrow(const KernelTable& k, const Column<double>& p, const Column<std::int32_t>& pi,
+                        const Column<std::int32_t>& pj, std::vector<std::uint8_t> mask, const std::vector<double>* old,
+                        const std::int64_t* end, bool periodic) {
+  const std::size_t n = pi.size() + 2 * k_pad;
+  NarrowArgs a{};
+  a.p = p.data();
+  a.pi = pi.data();
+  a.pj = pj.data();
+  a.mask = mask.data();
+  for (int q = 0; q < 3; ++q) {
+    a.end[q] = end[q];
+    a.half[q] = periodic ? 2.5 : 1e300;
+    a.period[q] = periodic ? 5 : 0;
+  }
+  a.periodic = periodic ? 1 : 0;
+  a.history = 3;
+  Column<double> h_old[3], h_new[3];
+  for (int q = 0; q < 3; ++q) {
+    h_old[q].assign(old[q].begin(), old[q].end());
+    h_old[q].resize(n);
+    h_new[q].resize(n);
+    a.h_old[q] = h_old[q].data();
+    a.h_new[q] = h_new[q].data();
+  }
+  a.deep = 0.1;
+  Column<std::int32_t> ci(n), cj(n);
+  a.ci = ci.data();
+  a.cj = cj.data();
+  k.narrow(a);
+  NarrowResult r;
+  const auto m = static_cast<std::size_t>(a.contact_end[2]);
+  r.ci.assign(ci.begin(), ci.begin() + static_cast<std::ptrdiff_t>(m));
+  r.cj.assign(cj.begin(), cj.begin() + static_cast<std::ptrdiff_t>(m));
+  r.mask = mask;
+  for (int q = 0; q < 3; ++q) {
+    r.h[q].assign(h_new[q].begin(), h_new[q].begin() + static_cast<std::ptrdiff_t>(m));
+    r.end[q] = a.contact_end[q];
+  }
+  return r;
+}
+
+TEST(Narrow, CarriesTheHistoryOfTouchingPairsAndStartsNewOnesAtZero) {
+  const CounterRng rng(3, 2, 0);
+  std::uint64_t c = 0;
+  for (const bool periodic : {false, true}) {
+    const int rows = 60;
+    Column<double> p(4 * (rows + 16));
+    for (int k = 0; k < rows + 16; ++k) {
+      for (int q = 0; q < 3; ++q) p[4 * k + q] = k < rows ? 5 * rng.uniform(c++) : 1e150;
+      p[4 * k + 3] = k < rows ? 0.3 + 0.3 * rng.uniform(c++) : 0;
+    }
+    Column<std::int32_t> pi, pj;
+    std::int64_t end[3];
+    for (int s = 0; s < 3; ++s) {
+      const int n = 400 + 37 * s;
+      for (int k = 0; k < n; ++k) {
+        const auto i = static_cast<std::int32_t>(rng.uniform(c++) * rows);
+        auto j = static_cast<std::int32_t>(rng.uniform(c++) * rows);
+        pi.push_back(i);
+        pj.push_back(i == j ? (j + 1) % rows : j);
+      }
+      while (pi.size() % 8 != 0) {
+        pi.push_back(rows);
+        pj.push_back(rows);
+      }
+      end[s] = static_cast<std::int64_t>(pi.size());
+    }
+    std::vector<std::uint8_t> mask(pi.size() / 8 + 16, 0);
+    std::vector<double> old[3];
+    for (std::size_t s = 0; s < pi.size(); ++s)
+      if (pi[s] < rows && rng.uniform(c++) < 0.5) {
+        mask[s / 8] |= static_cast<std::uint8_t>(1U << (s % 8));
+        for (auto& h : old) h.push_back(rng.uniform(c++));
+      }
+    const NarrowResult r = run_narrow(select_kernels(Isa::scalar), p, pi, pj, mask, old, end, periodic);
+    std::size_t n = 0, was = 0;
+    for (std::size_t s = 0; s < pi.size(); ++s) {
+      double d2 = 0;
+      for (int q = 0; q < 3; ++q) {
+        double d = p[4 * pi[s] + q] - p[4 * pj[s] + q];
+        if (periodic) d -= 5 * std::nearbyint(d / 5);
+        d2 += d * d;
+      }
+      const double reach = p[4 * pi[s] + 3] + p[4 * pj[s] + 3];
+      const bool touched = (mask[s / 8] >> (s % 8) & 1) != 0, touches = pi[s] < rows && d2 < reach * reach;
+      ASSERT_EQ((r.mask[s / 8] >> (s % 8) & 1) != 0, touches);
+      if (touches) {
+        ASSERT_EQ(r.ci[n], pi[s]);
+        ASSERT_EQ(r.cj[n], pj[s]);
+        for (int q = 0; q < 3; ++q) ASSERT_EQ(r.h[q][n], touched ? old[q][was] : 0.0);
+        ++n;
+      }
+      was += touched ? 1 : 0;
+    }
+    EXPECT_EQ(n, r.ci.size());
+    EXPECT_GT(n, 100U);
+    for (const Isa isa : available_isas()) {
+      const NarrowResult t = run_narrow(select_kernels(isa), p, pi, pj, mask, old, end, periodic);
+      EXPECT_EQ(t.ci, r.ci) << isa_name(isa);
+      EXPECT_EQ(t.cj, r.cj) << isa_name(isa);
+      EXPECT_EQ(t.mask, r.mask) << isa_name(isa);
+      for (int q = 0; q < 3; ++q) {
+        EXPECT_TRUE(same_bits(t.h[q], r.h[q])) << isa_name(isa);
+        EXPECT_EQ(t.end[q], r.end[q]) << isa_name(isa);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace talus
