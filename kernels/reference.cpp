@@ -23,14 +23,15 @@ Kinematics kinematics(const Pair& p, const LawArgs& a) {
   k.lever = a.contact_lever != 0 ? k.d / (p.ri + p.rj) : 1;
   const Vec3 v = p.vi - p.vj;
   k.vn = dot(v, k.n);
-  // the part of the relative velocity along the line of centres, with the normal at n or at mid-step
-  Vec3 along = k.vn * k.n;
+  // the normal at n, or the one at mid-step x(n-1/2) = x(n) - v dt/2
+  Vec3 n = k.n, c = k.n;
   if (a.synchronised != 0) {
     const Vec3 mid = x - (0.5 * a.dt) * v;
-    along = (dot(v, mid) / dot(mid, mid)) * mid;
+    n = (1 / norm(mid)) * mid;
+    c = (1 / k.d) * mid;  // the lever follows the distance at mid-step
   }
   // surface velocities: v_i + w_i x (-l_i n), v_j + w_j x (l_j n) with l = lever * radius
-  k.vt = v - along - cross((k.lever * p.ri) * p.wi + (k.lever * p.rj) * p.wj, k.n);
+  k.vt = v - dot(v, n) * n - cross((k.lever * p.ri) * p.wi + (k.lever * p.rj) * p.wj, c);
   return k;
 }
 

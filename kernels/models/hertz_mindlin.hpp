@@ -39,9 +39,13 @@ void force(HertzMindlin, Block& b, const LawArgs& a) {
     B fn = sn * delta - cn * vn;
     if (a.centred != 0) fn = fn / (one + hdt * (cn * ms));
     B f[3] = {fn * n[0], fn * n[1], fn * n[2]};
+    B mid = one;  // dashpot at n-1/2 over that at n
     if constexpr (Energy) {
+      // Loss over [n-1, n] by the midpoint rule: v(n-1/2) with the dashpot of the overlap at n-1/2.
+      const B middle = delta + hdt * vn;
+      mid = S::sqrt(S::sqrt(S::select(S::gt(middle, zero), middle, zero) / delta));
       S::store(b.e[0] + k, two_fifths * (sn * (delta * delta)));
-      S::store(b.e[1] + k, dt * (cn * (vn * vn)));
+      S::store(b.e[1] + k, dt * ((cn * mid) * (vn * vn)));
       S::store(b.e[2] + k, zero);
     }
     if constexpr (Friction) {
@@ -87,7 +91,7 @@ void force(HertzMindlin, Block& b, const LawArgs& a) {
         const B kept = S::select(S::lt(radius, last), rescale, last / radius);
         const B released = half * (before * (one - kept)) / c.kt;
         S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (h2 / st));
-        S::store(b.e[1] + k, S::load(b.e[1] + k) + dt * (ct * t2));
+        S::store(b.e[1] + k, S::load(b.e[1] + k) + dt * ((ct * mid) * t2));
         S::store(b.e[2] + k, slip / st + released);
       }
       S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));

@@ -94,10 +94,10 @@ void force(Linear, Block& b, const LawArgs& args) {
   const LawArgs a = args;
   const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt), hdt = S::set(0.5 * a.dt);
   Coefficients<S, Multi> c;
-  LinearFactors<S> f;
+  LinearFactors<S> shared{};
   const bool constant = !Multi && a.by_restitution == 0;
   if constexpr (!Multi) c.load(b, a, 0);
-  if (constant) f.set(c.kt, c.gn, c.gt, a);
+  if (constant) shared.set(c.kt, c.gn, c.gt, a);
   for (int k = 0; k < b.n; k += S::W) {
     if constexpr (Multi) c.load(b, a, k);
     const B x[3] = {S::load(b.x + k), S::load(b.y + k), S::load(b.z + k)};
@@ -109,6 +109,7 @@ void force(Linear, Block& b, const LawArgs& args) {
     const B inv = q * wms, meff = q * dw, delta = w - d;
     const B n[3] = {x[0] * inv, x[1] * inv, x[2] * inv};
     const B vn = (v[0] * n[0] + v[1] * n[1]) + v[2] * n[2];
+    LinearFactors<S> f = shared;
     if (!constant) {
       const B root = a.by_restitution != 0 ? S::sqrt(c.kn * ms) : one;
       f.set(c.kt, c.gn * root, c.gt * root, a);
@@ -117,7 +118,7 @@ void force(Linear, Block& b, const LawArgs& args) {
     const B step = S::abs(vn) * dt;
     const auto brief = S::lt(delta, step);
     if (a.centred != 0 && a.onset != 0 && S::any(brief)) {
-      const B gn = S::select(brief, f.gn * (half + delta / step), f.gn);
+      const B gn = f.gn * S::select(brief, half + delta / step, one);
       fn = (fn - gn * (meff * vn)) * (one / (one + hdt * gn));
     } else {
       fn = (fn - f.gn * (meff * vn)) * f.shrink_n;
