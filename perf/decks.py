@@ -114,9 +114,10 @@ def lammps_walls(case):
 def liggghts_walls(case, stl):
     if not case.silo:
         return ""
-    return (f"fix silo all mesh/surface file {stl} type 1\n"
-            "fix w all wall/gran model hooke/stiffness tangential history mesh n_meshes 1 meshes silo "
-            "tangential_damping on\n")
+    law = "model hooke/stiffness tangential history"
+    return (f"fix w1 all wall/gran {law} primitive type 1 zcylinder {states.HOPPER['radius']} 0.0 0.0 tangential_damping on\n"
+            f"fix cone all mesh/surface file {stl} type 1\n"
+            f"fix w2 all wall/gran {law} mesh n_meshes 1 meshes cone tangential_damping on\n")
 
 
 def deck(code, case, data, stl):

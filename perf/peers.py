@@ -65,7 +65,7 @@ class Runner:
         stl = os.path.join(self.work, case.name + ".stl")
         states.write_lammps_data(data, state, box, case.density)
         if case.silo:
-            states.silo_stl(stl)
+            states.cone_stl(stl)
         for code in ("lammps", "liggghts"):
             with open(os.path.join(self.work, f"{case.name}.{code}"), "w") as f:
                 f.write(decks.deck(code, case, data, stl))
@@ -92,7 +92,7 @@ class Runner:
         summary = json.loads(command_output(command, self.work, env))
         if summary["particles"] != n:
             raise Failure(f"talus: {summary['particles']} of {n} particles are left: the rates would not compare")
-        return {"rate": n * steps / summary["wall_s"], "rebuilds": summary["rebuilds"], "ke": summary["kinetic_energy"],
+        return {"rate": n * steps / summary["wall_s"], "rebuilds": sum(s >= warm for s in summary["rebuild_steps"]), "ke": summary["kinetic_energy"],
                 "detail": summary}
 
     def peer(self, code, case, cores, warm, steps, skin):

@@ -227,25 +227,25 @@ def hopper(n=125000):
     return state, ([lower[0], lower[1], -40.0], upper)
 
 
-def silo_stl(path, segments=64):
-    """The same silo as triangles, for codes whose cones are meshes."""
-    z = [HOPPER["top"] - 0.5, 0.0, -HOPPER["cone_length"]]
-    r = [HOPPER["radius"], HOPPER["radius"], HOPPER["outlet"]]
+def cone_stl(path, segments=128):
+    """The cone of the silo as triangles, for codes that have none. Around the cone, not inside it: facets that cut into the
+    resting grains would set them in motion (64 inscribed segments gave 66 % more kinetic energy after 500 steps)."""
     t = np.arange(segments) * 2 * np.pi / segments
+    around = 1 / np.cos(np.pi / segments)
+    z, r = [0.0, -HOPPER["cone_length"]], [HOPPER["radius"] * around, HOPPER["outlet"] * around]
     ring = [np.stack([q * np.cos(t), q * np.sin(t), np.full(segments, h)], 1) for q, h in zip(r, z)]
     with open(path, "w") as f:
-        f.write("solid silo\n")
-        for a, b in ((0, 1), (1, 2)):
-            for k in range(segments):
-                m = (k + 1) % segments
-                for tri in ((ring[a][k], ring[b][k], ring[b][m]), (ring[a][k], ring[b][m], ring[a][m])):
-                    n = np.cross(tri[1] - tri[0], tri[2] - tri[0])
-                    n /= np.linalg.norm(n)
-                    f.write(f"facet normal {n[0]:.9g} {n[1]:.9g} {n[2]:.9g}\nouter loop\n")
-                    for p in tri:
-                        f.write(f"vertex {p[0]:.9g} {p[1]:.9g} {p[2]:.9g}\n")
-                    f.write("endloop\nendfacet\n")
-        f.write("endsolid silo\n")
+        f.write("solid cone\n")
+        for k in range(segments):
+            m = (k + 1) % segments
+            for tri in ((ring[0][k], ring[1][k], ring[1][m]), (ring[0][k], ring[1][m], ring[0][m])):
+                n = np.cross(tri[1] - tri[0], tri[2] - tri[0])
+                n /= np.linalg.norm(n)
+                f.write(f"facet normal {n[0]:.9g} {n[1]:.9g} {n[2]:.9g}\nouter loop\n")
+                for p in tri:
+                    f.write(f"vertex {p[0]:.9g} {p[1]:.9g} {p[2]:.9g}\n")
+                f.write("endloop\nendfacet\n")
+        f.write("endsolid cone\n")
 
 
 # name -> (state, box); a scene of the same name is in perf/scenes
