@@ -48,7 +48,7 @@ Result assemble(const Pair& p, const Kinematics& k, double fn, Vec3 ft) {
 Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& xi) {
   const Kinematics k = kinematics(p, a);
   const double scale = a.by_restitution != 0 ? std::sqrt(c.kn / k.meff) : 1;
-  const double gamma_t = c.gt * scale;
+  const double gamma_t = c.gt;
   double gamma_n = c.gn * scale;
   if (a.centred != 0 && a.onset != 0 && k.delta < std::abs(k.vn) * a.dt)
     gamma_n *= 0.5 + k.delta / (std::abs(k.vn) * a.dt);

@@ -112,7 +112,7 @@ void force(Linear, Block& b, const LawArgs& args) {
     LinearFactors<S> f = shared;
     if (!constant) {
       const B root = a.by_restitution != 0 ? S::sqrt(c.kn * ms) : one;
-      f.set(c.kt, c.gn * root, c.gt * root, a);
+      f.set(c.kt, c.gn * root, c.gt, a);  // the tangential rate stays in 1/s
     }
     B fn = c.kn * delta;
     const B step = S::abs(vn) * dt;

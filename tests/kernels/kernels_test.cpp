@@ -134,7 +134,7 @@ LawArgs law_args(ContactModel model, int variant) {
     a.one = {1e5, 8e4, 0.5, 0.4, 0.4};
   a.dt = 1e-3;
   a.by_restitution = variant % 2;
-  if (a.by_restitution != 0 && model == ContactModel::linear) a.one.gn = a.one.gt = 0.3;
+  if (a.by_restitution != 0 && model == ContactModel::linear) a.one.gn = 0.3;
   a.centred = (variant / 2) % 2;
   a.onset = a.centred;
   a.synchronised = (variant / 4) % 2;
