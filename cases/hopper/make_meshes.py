@@ -55,16 +55,19 @@ def cone_family(p):
     silo = band(lip, knee) + band(knee, top)
     rim = ring(notch + p.gate_margin, 0.0, n // 2)
     gate = [((0.0, 0.0, 0.0), rim[i], rim[(i + 1) % len(rim)]) for i in range(len(rim))]
-    # The chute is a pipe that descends at 45 degrees; its upper end, cut square, lies under the notch.
+    # The chute: an upright collar below the notch, and a pipe that descends at 45 degrees. The pipe's upper end is cut
+    # square, so its rim is low on the side that the gate moves to: the collar stops the grains that the gate drags along, and
+    # the rim stays 5 cm away from where the jet lands, so that no grain hops over it.
     c = math.sqrt(0.5)
 
     def place(q, along):
         across, side = q[0], q[1]
-        return (c * (across + along), side, p.chute_z + c * (across - along))
+        return (p.chute_x + c * (across + along), side, p.chute_z + c * (across - along))
 
     start = [place(q, 0.0) for q in ring(p.chute_radius, 0.0, n // 2)]
     end = [place(q, p.chute_length) for q in ring(p.chute_radius, 0.0, n // 2)]
-    return {"cone-silo": silo, "cone-gate": gate, "cone-chute": band(start, end)}
+    collar = band(ring(p.collar_radius, p.collar_bottom, n // 2), ring(p.collar_radius, -p.collar_gap, n // 2))
+    return {"cone-silo": silo, "cone-gate": gate, "cone-chute": band(start, end) + collar}
 
 
 def wedge_family(p):
@@ -99,8 +102,8 @@ def write_stl(path, name, facets):
 
 
 DEFAULTS = {
-    "cone": dict(notch=0.070, bin=0.160, angle=60.0, top=0.32, gate_margin=0.002, chute_z=-0.065, chute_length=0.28,
-                 chute_radius=0.070),
+    "cone": dict(notch=0.070, bin=0.160, angle=60.0, top=0.32, gate_margin=0.002, chute_x=-0.016, chute_z=-0.084,
+                 chute_length=0.28, chute_radius=0.090),
     "wedge": dict(notch=0.050, bin=0.200, angle=60.0, top=0.45, gate_margin=0.005, chute_z=-0.060, chute_length=0.28),
 }
 
@@ -117,9 +120,13 @@ def main():
     parser.add_argument("--segments", type=int, default=72, help="cone: corners of a circle")
     parser.add_argument("--gate-margin", type=float, help="how far the gate reaches past the notch")
     parser.add_argument("--gate-gap", type=float, default=0.010, help="wedge: clearance between gate and chute")
+    parser.add_argument("--chute-x", type=float, help="cone: middle of the chute's upper end")
     parser.add_argument("--chute-z", type=float, help="height of the chute's upper end")
     parser.add_argument("--chute-length", type=float)
     parser.add_argument("--chute-radius", type=float, help="cone: radius of the pipe")
+    parser.add_argument("--collar-radius", type=float, default=0.045, help="cone: radius of the collar")
+    parser.add_argument("--collar-bottom", type=float, default=-0.085, help="cone: height of the collar's lower end")
+    parser.add_argument("--collar-gap", type=float, default=0.0015, help="cone: clearance between gate and collar")
     parser.add_argument("--chute-back", type=float, default=0.035, help="wedge: back wall to the edge of the notch")
     parser.add_argument("--chute-cheek", type=float, default=0.060, help="wedge: height of the cheeks at the lower end")
     args = parser.parse_args()
