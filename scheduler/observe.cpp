@@ -26,8 +26,10 @@ double sum_rows(const World& w, const std::function<double(Row)>& value) {
 
 /// Brings removals and lists up to date so that contacts of the present state can be evaluated.
 void prepare_lists(World& w) {
-  const Decision d = check_step(w, w.step + 1);
-  if (d.rebuild && !d.structure) rebuild_step(w, true);
+  check_step(w, w.step + 1);
+  bool expired = !w.lists_valid || (w.has.moving_walls && w.walls.expired());
+  for (const auto& c : w.chunks) expired = expired || c->expired != 0;
+  if (expired) rebuild_step(w, true, false);  // changes no result, and the next step finds its list fresh
 }
 
 void record_contacts(World& w, std::vector<ContactRecord>& out, std::vector<std::pair<Row, Row>>& rows) {

@@ -417,6 +417,7 @@ void rebuild_lists(World& w) {
                  w.scene.list.policy == ListPolicy::always ? 0.0 : 0.5 * w.r_min);
   for_chunks(w, [](World& world, Chunk& c) {
     NodeTimer timer(world, c, Node::rebuild);
+    c.expired = 0;
     search_chunk(world, c);
     assemble_chunk(world, c);
     if (world.has.walls) wall_candidates(world, c);

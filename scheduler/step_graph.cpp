@@ -188,13 +188,12 @@ void sort_step(World& w) {
   if (w.step % w.scene.sort_every != 0) return;
   NodeTimer timer(w, w.serial, Node::sort_epoch);
   sort_epoch(w);
-  rebuild_step(w, true);
+  rebuild_step(w, true, true);
 }
 
-void rebuild_step(World& w, bool forced) {
+void rebuild_step(World& w, bool forced, bool distributed) {
   NodeTimer timer(w, w.serial, Node::rebuild);
-  const bool epoch = w.step % w.scene.sort_every == 0;
-  if (!epoch) carry_from_lists(w);  // an epoch has already distributed the contacts
+  if (!distributed) carry_from_lists(w);
   rebuild_lists(w);
   w.lists_valid = true;
   if (forced) {
@@ -280,7 +279,7 @@ void run_graph(World& w, std::int64_t target) {
           if (epoch)
             sort_step(w);
           else
-            rebuild_step(w, !expired);
+            rebuild_step(w, !expired, false);
         });
         // another number of chunks needs another graph
         if (!w.failed.load() && static_cast<int>(w.chunks.size()) == w.graph_chunks) std::get<0>(ports).try_put(Go());

@@ -257,7 +257,9 @@ struct Decision {
 Decision check_step(World& w, std::int64_t target);  ///< failures, removals, displacement check
 void insert_step(World& w);                          ///< events and batches of the present step
 void sort_step(World& w);                            ///< sort epoch if the present step is one
-void rebuild_step(World& w, bool forced);
+/// Rebuilds the lists. forced: not because of a displacement; distributed: a sort epoch has just handed the contacts to
+/// their chunks, otherwise they are carried over from the present lists.
+void rebuild_step(World& w, bool forced, bool distributed);
 void finish_step(World& w);                     ///< swaps buffers, reduces energies, advances n
 void run_graph(World& w, std::int64_t target);  ///< throws the first failure
 std::string graph_picture(const World& w);

@@ -1,3 +1,4 @@
+// Scenes and small measuring helpers of the physics tests; see physics_support.hpp.
 #include "physics_support.hpp"
 
 #include <fmt/format.h>
