@@ -70,8 +70,11 @@ void permute_contacts(const World& w, Chunk& c, const std::vector<std::int64_t>&
 
 }  // namespace
 
-GatherArgs gather_args(const World& w, const Scratch& s, std::int64_t k0, int n, int next, double (*x)[k_block + k_pad],
-                       double (*r)[k_block + k_pad], double* reff, std::int32_t* pair) {
+Block evaluate_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers& buffers) {
+  const Scratch& s = *c.scratch;
+  const std::int64_t left = c.contact_end[2] - k0;
+  Block b{};
+  b.n = static_cast<int>(std::min<std::int64_t>(k_block, left));
   GatherArgs g{};
   g.v = w.v.data();
   g.p = w.p.data();
@@ -79,9 +82,9 @@ GatherArgs gather_args(const World& w, const Scratch& s, std::int64_t k0, int n,
   g.materials = static_cast<int>(w.scene.materials.size());
   g.i = s.ci.data() + k0;
   g.j = s.cj.data() + k0;
-  g.n = n;
-  g.x = x;
-  g.r = r;
+  g.n = b.n;
+  g.x = buffers.x;
+  g.r = buffers.r;
   g.periodic = w.has.periodic ? 1 : 0;
   for (int k = 0; k < 3; ++k) {
     const bool periodic = w.scene.domain.periodic(k);
@@ -89,10 +92,21 @@ GatherArgs gather_args(const World& w, const Scratch& s, std::int64_t k0, int n,
     g.period[k] = periodic ? w.size[k] : 0.0;
   }
   g.next_j = g.j + k_block;
-  g.next_n = next;
-  g.reff = w.has.reff ? reff : nullptr;
-  g.pair = w.has.materials ? pair : nullptr;
-  return g;
+  g.next_n = static_cast<int>(std::clamp<std::int64_t>(left - k_block, 0, b.n));
+  g.reff = w.has.reff ? buffers.reff : nullptr;
+  g.pair = w.has.materials ? buffers.pair : nullptr;
+  w.kernels->gather[w.has.rotation ? 1 : 0](g);
+  b.x = buffers.x[0];
+  b.y = buffers.x[1];
+  b.z = buffers.x[2];
+  b.w = buffers.x[3];
+  b.r = buffers.r;
+  for (int k = 0; k < w.has.history_columns; ++k) b.h[k] = c.h[k].data() + k0;
+  b.reff = buffers.reff;
+  b.pair = buffers.pair;
+  b.e = buffers.e;
+  w.kernels->law[w.law_variant](b, w.law_args);
+  return b;
 }
 
 Scratch* ScratchPool::take() {
@@ -189,12 +203,8 @@ void force_chunk(World& w, Chunk& c) {
   grow(s.f, static_cast<std::size_t>(rows) * w.stride);
   std::memset(s.f.data(), 0, static_cast<std::size_t>(rows) * w.stride * sizeof(double));
   if (w.has.energies) std::memset(w.energy.data() + 4L * c.lo, 0, static_cast<std::size_t>(rows) * 4 * sizeof(double));
-  alignas(64) double x[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad], reff[k_block + k_pad];
-  alignas(64) std::int32_t pair[k_block + k_pad];
-  if (w.has.reff) std::fill(reff, reff + k_block + k_pad, 1.0);
-  if (w.has.materials) std::fill(pair, pair + k_block + k_pad, 0);
+  BlockBuffers buffers;
   const int rotation = w.has.rotation ? 1 : 0;
-  const auto law = w.kernels->law[w.law_variant];
   const std::int64_t total = c.contact_end[2];
   std::int64_t both_from = c.contact_end[0], both_to = c.contact_end[1];
   double* f = s.f.data() - static_cast<std::ptrdiff_t>(w.stride) * c.lo;
@@ -207,26 +217,11 @@ void force_chunk(World& w, Chunk& c) {
     }
   }
   for (std::int64_t k0 = 0; k0 < total; k0 += k_block) {
-    const int n = static_cast<int>(std::min<std::int64_t>(k_block, total - k0));
-    const int next = static_cast<int>(std::clamp<std::int64_t>(total - k0 - k_block, 0, n));
-    w.kernels->gather[rotation](gather_args(w, s, k0, n, next, x, r, reff, pair));
-    Block b{};
-    b.n = n;
-    b.x = x[0];
-    b.y = x[1];
-    b.z = x[2];
-    b.w = x[3];
-    b.r = r;
-    for (int k = 0; k < w.has.history_columns; ++k) b.h[k] = c.h[k].data() + k0;
-    b.reff = reff;
-    b.pair = pair;
-    b.e = e;
-    law(b, w.law_args);
-    const int from = static_cast<int>(std::clamp<std::int64_t>(both_from - k0, 0, n));
-    const int to = static_cast<int>(std::clamp<std::int64_t>(both_to - k0, 0, n));
-    w.kernels->scatter[rotation](
-        ScatterArgs{f, b.n > 0 ? s.ci.data() + k0 : nullptr, s.cj.data() + k0, n, from, to, r});
-    if (w.has.energies) scatter_energy(w, s.ci.data() + k0, s.cj.data() + k0, n, from, to, e);
+    const Block b = evaluate_contacts(w, c, k0, buffers);
+    const int from = static_cast<int>(std::clamp<std::int64_t>(both_from - k0, 0, b.n));
+    const int to = static_cast<int>(std::clamp<std::int64_t>(both_to - k0, 0, b.n));
+    w.kernels->scatter[rotation](ScatterArgs{f, s.ci.data() + k0, s.cj.data() + k0, b.n, from, to, buffers.r});
+    if (w.has.energies) scatter_energy(w, s.ci.data() + k0, s.cj.data() + k0, b.n, from, to, buffers.e);
   }
   if (!faulty.empty()) {  // the history goes back into list order: only the order of the sums was wrong
     std::vector<std::int64_t> back(faulty.size());

@@ -43,29 +43,13 @@ void record_contacts(World& w, std::vector<ContactRecord>& out, std::vector<std:
     narrow_chunk(w, c);
     const Scratch& s = *c.scratch;
     const std::int64_t total = c.contact_end[2];
-    alignas(64) double x[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad], reff[k_block + k_pad];
-    alignas(64) std::int32_t pair[k_block + k_pad];
-    std::fill(reff, reff + k_block + k_pad, 1.0);
-    std::fill(pair, pair + k_block + k_pad, 0);
+    BlockBuffers buffers;
     for (std::int64_t k0 = 0; k0 < total; k0 += k_block) {
-      const int n = static_cast<int>(std::min<std::int64_t>(k_block, total - k0));
-      w.kernels->gather[w.has.rotation ? 1 : 0](gather_args(w, s, k0, n, 0, x, r, reff, pair));
-      Block b{};
-      b.n = n;
-      b.x = x[0];
-      b.y = x[1];
-      b.z = x[2];
-      b.w = x[3];
-      b.r = r;
-      for (int k = 0; k < w.has.history_columns; ++k) b.h[k] = c.h[k].data() + k0;
-      b.reff = reff;
-      b.pair = pair;
-      b.e = e;
-      w.kernels->law[w.law_variant](b, w.law_args);
-      for (int k = 0; k < n; ++k) {
+      const Block b = evaluate_contacts(w, c, k0, buffers);
+      for (int k = 0; k < b.n; ++k) {
         const Row i = s.ci[static_cast<std::size_t>(k0 + k)], j = s.cj[static_cast<std::size_t>(k0 + k)];
         if (i > j) continue;  // a pair across chunks is seen by both owners
-        const Vec3 branch{b.x[k], b.y[k], b.z[k]}, f{r[0][k], r[1][k], r[2][k]};
+        const Vec3 branch{b.x[k], b.y[k], b.z[k]}, f{b.r[0][k], b.r[1][k], b.r[2][k]};
         const double d = norm(branch);
         const Vec3 normal = (1 / d) * branch;
         ContactRecord t;

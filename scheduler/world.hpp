@@ -243,8 +243,19 @@ void rebuild_lists(World& w);     ///< skins, cells, lists, history
 
 // --- chunk_work.cpp -----------------------------------------------------------------------------------------------
 void narrow_chunk(World& w, Chunk& c);
-GatherArgs gather_args(const World& w, const Scratch& s, std::int64_t k0, int n, int next, double (*x)[k_block + k_pad],
-                       double (*r)[k_block + k_pad], double* reff, std::int32_t* pair);  ///< block at contact k0
+/// L1 buffers of one block of contacts; padding lanes must hold finite values.
+struct BlockBuffers {
+  alignas(64) double x[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad], reff[k_block + k_pad];
+  alignas(64) std::int32_t pair[k_block + k_pad];
+  BlockBuffers() noexcept {
+    for (int k = 0; k < k_block + k_pad; ++k) {
+      reff[k] = 1;
+      pair[k] = 0;
+    }
+  }
+};
+/// Gathers the chunk's contacts from k0 on (at most k_block) and applies the law; forces are in the returned block's r.
+Block evaluate_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers& buffers);
 void force_chunk(World& w, Chunk& c);
 void wall_chunk(World& w, Chunk& c);
 void integrate_chunk(World& w, Chunk& c);
