@@ -108,6 +108,16 @@ void print_closing(const Options& options, const std::string& folder, const Summ
   if (outcome.signal != 0)
     fmt::print("Continue:       {} run {} --resume {}\n", options.program, options.scene, folder);
 }
+/// Table of the nodes of the step: calls, seconds summed over threads, share, time per particle-step.
+void print_profile(const Summary& summary, double particle_steps) {
+  double total = 0;
+  for (const auto& n : summary.nodes) total += n.seconds;
+  fmt::print("{:<20}{:>12}{:>12}{:>9}{:>12}\n", "node", "calls", "seconds", "share", "ns/p-step");
+  for (const auto& n : summary.nodes)
+    fmt::print("{:<20}{:>12}{:>12.3f}{:>8.1f}%{:>12.2f}\n", n.name, n.calls, n.seconds,
+               total > 0 ? 100 * n.seconds / total : 0.0, particle_steps > 0 ? 1e9 * n.seconds / particle_steps : 0.0);
+}
+
 }  // namespace
 
 int run(const Options& options) {
@@ -135,8 +145,8 @@ int run(const Options& options) {
   outputs.write(*simulation);
   const Outcome outcome = advance(options, scene, *simulation, outputs, progress);
 
-  const Summary summary =
-      summary_of(*simulation, {outcome.seconds, progress.particle_steps(), first, outcome.signal, outcome.failure});
+  const Summary summary = summary_of(
+      *simulation, {outcome.seconds, progress.particle_steps(), first, outcome.signal, engine.audit, outcome.failure});
   write_summary(folder.summary(), summary);
   if (!outcome.failure.empty()) {
     fmt::print(stderr, "talus: error: {}\n", outcome.failure);
@@ -147,6 +157,7 @@ int run(const Options& options) {
   if (options.json) {
     fmt::print("{}", summary_json(summary));
   } else if (!options.quiet) {
+    if (options.run.profile) print_profile(summary, progress.particle_steps());
     print_closing(options, folder.dir(), summary, outputs, outcome);
   }
   return outcome.signal != 0 ? 128 + outcome.signal : 0;

@@ -32,6 +32,7 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   s.candidate_pairs = c.pairs;
   s.contacts = c.contacts;
   s.wall_contacts = c.wall_contacts;
+  if (facts.audited) s.missed_contacts = c.missed_contacts;
   s.inserted = c.inserted;
   s.removed = c.removed;
   s.removed_mass = c.removed_mass;

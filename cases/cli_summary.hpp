@@ -14,8 +14,9 @@ struct RunFacts {
   double wall_s = 0;          ///< stepping and writing, without set-up [s]
   double particle_steps = 0;  ///< sum of present particles over the executed steps
   std::int64_t first_step = 0;
-  int signal = 0;       ///< that ended it, or 0
-  std::string failure;  ///< message of a physical failure, or empty
+  int signal = 0;        ///< that ended it, or 0
+  bool audited = false;  ///< --audit
+  std::string failure;   ///< message of a physical failure, or empty
 };
 
 Summary summary_of(const Simulation& simulation, const RunFacts& facts);

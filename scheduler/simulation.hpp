@@ -26,7 +26,7 @@ struct Counters {
   std::int64_t sort_epochs = 0;
   std::int64_t inserted = 0, removed = 0;                 ///< cumulative over the trajectory
   double removed_mass = 0;                                ///< [kg], cumulative over the trajectory
-  std::int64_t late_detections = 0, missed_contacts = 0;  ///< audit only
+  std::int64_t missed_contacts = 0;        ///< audit only
   double border_contact_share = 0;                        ///< contacts across chunk borders / contacts
   std::vector<std::int64_t> interval_steps;  ///< step of each of the last rebuilds (up to 4096), for the report
 };

@@ -29,7 +29,8 @@ struct Summary {
   std::int64_t candidate_pairs = 0, contacts = 0, wall_contacts = 0;
   std::int64_t inserted = 0, removed = 0;
   double removed_mass = 0;                                       ///< [kg]
-  std::optional<std::int64_t> late_detections, missed_contacts;  ///< only if audited
+  std::optional<std::int64_t> late_detections;  ///< not counted: the list is checked at every step
+  std::optional<std::int64_t> missed_contacts;  ///< only if audited
   double bytes_per_particle = 0;
   std::int64_t peak_rss_bytes = 0;
   double verlet_k = 0;
