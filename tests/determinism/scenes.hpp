@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct NamedScene {
   const char* name;
   Scene (*build)();
 };
+/// Names the scene in test listings; the default print would show addresses, which differ from build to build.
+inline void PrintTo(const NamedScene& s, std::ostream* out) { *out << s.name; }
 /// The five scenes above.
 const std::vector<NamedScene>& scenes();
 
