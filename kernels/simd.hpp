@@ -35,7 +35,6 @@ struct Scalar {
   TALUS_INLINE static B abs(B a) { return {__builtin_fabs(a.v)}; }
   TALUS_INLINE static M lt(B a, B b) { return a.v < b.v; }
   TALUS_INLINE static M gt(B a, B b) { return a.v > b.v; }
-  TALUS_INLINE static M both(M a, M b) { return a && b; }
   TALUS_INLINE static bool any(M m) { return m; }
   TALUS_INLINE static unsigned bits(M m) { return m ? 1U : 0U; }
   TALUS_INLINE static B select(M m, B a, B b) { return m ? a : b; }
@@ -50,10 +49,6 @@ struct Scalar {
     const double *ra = p + 8L * a[0], *rb = p + 8L * b[0];
     for (int k = 0; k < 4; ++k) o[k] = {ra[k] - rb[k]};
     for (int k = 4; k < 8; ++k) o[k] = {ra[k] + rb[k]};
-  }
-  TALUS_INLINE static double* compress(double* p, B a, M m) {
-    *p = a.v;
-    return p + m;
   }
   TALUS_INLINE static void compress_index(std::int32_t* p, const std::int32_t* src, M m) {
     if (m) *p = *src;
@@ -86,12 +81,6 @@ struct Scalar {
   struct R8 {
     double v[8];
   };
-#define TALUS_ROW_OP(R, N, OP)                                \
-  TALUS_INLINE friend R operator OP(const R& a, const R& b) { \
-    R c;                                                      \
-    for (int k = 0; k < N; ++k) c.v[k] = a.v[k] OP b.v[k];    \
-    return c;                                                 \
-  }
   TALUS_INLINE static R4 add4(const R4& a, const R4& b) {
     R4 c;
     for (int k = 0; k < 4; ++k) c.v[k] = a.v[k] + b.v[k];
@@ -166,7 +155,6 @@ struct Scalar {
     return static_cast<int>(m & 1U);
   }
 };
-#undef TALUS_ROW_OP
 
 #ifdef __SSE2__
 struct Sse2 {
@@ -181,7 +169,6 @@ struct Sse2 {
   TALUS_INLINE static B abs(B a) { return _mm_andnot_pd(_mm_set1_pd(-0.0), a); }
   TALUS_INLINE static M lt(B a, B b) { return _mm_cmplt_pd(a, b); }
   TALUS_INLINE static M gt(B a, B b) { return _mm_cmpgt_pd(a, b); }
-  TALUS_INLINE static M both(M a, M b) { return _mm_and_pd(a, b); }
   TALUS_INLINE static bool any(M m) { return _mm_movemask_pd(m) != 0; }
   TALUS_INLINE static unsigned bits(M m) { return static_cast<unsigned>(_mm_movemask_pd(m)); }
   TALUS_INLINE static B select(M m, B a, B b) { return _mm_or_pd(_mm_and_pd(m, a), _mm_andnot_pd(m, b)); }
@@ -204,12 +191,6 @@ struct Sse2 {
     for (int k = 4; k < 8; k += 2)
       two(_mm_add_pd(_mm_load_pd(a0 + k), _mm_load_pd(b0 + k)), _mm_add_pd(_mm_load_pd(a1 + k), _mm_load_pd(b1 + k)),
           o + k);
-  }
-  TALUS_INLINE static double* compress(double* p, B a, M m) {
-    const unsigned k = bits(m);
-    const __m128d v = a;
-    _mm_storeu_pd(p, k == 2 ? _mm_unpackhi_pd(v, v) : v);
-    return p + __builtin_popcount(k);
   }
   TALUS_INLINE static void compress_index(std::int32_t* p, const std::int32_t* src, M m) {
     const unsigned k = bits(m);
@@ -339,7 +320,6 @@ struct Avx2 {
   TALUS_INLINE static B abs(B a) { return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a); }
   TALUS_INLINE static M lt(B a, B b) { return _mm256_cmp_pd(a, b, _CMP_LT_OQ); }
   TALUS_INLINE static M gt(B a, B b) { return _mm256_cmp_pd(a, b, _CMP_GT_OQ); }
-  TALUS_INLINE static M both(M a, M b) { return _mm256_and_pd(a, b); }
   TALUS_INLINE static bool any(M m) { return _mm256_movemask_pd(m) != 0; }
   TALUS_INLINE static unsigned bits(M m) { return static_cast<unsigned>(_mm256_movemask_pd(m)); }
   TALUS_INLINE static B select(M m, B a, B b) { return _mm256_blendv_pd(b, a, m); }
@@ -372,21 +352,6 @@ struct Avx2 {
       o[k] = r[k];
       o[k + 4] = q[k];
     }
-  }
-  /// Lane permutation that moves the set lanes of a 4-bit mask to the front, as 32-bit halves.
-  static const std::int32_t* lut(unsigned m) {
-    alignas(32) static constexpr std::int32_t t[16][8] = {
-        {0, 1, 2, 3, 4, 5, 6, 7}, {0, 1, 2, 3, 4, 5, 6, 7}, {2, 3, 0, 1, 4, 5, 6, 7}, {0, 1, 2, 3, 4, 5, 6, 7},
-        {4, 5, 0, 1, 2, 3, 6, 7}, {0, 1, 4, 5, 2, 3, 6, 7}, {2, 3, 4, 5, 0, 1, 6, 7}, {0, 1, 2, 3, 4, 5, 6, 7},
-        {6, 7, 0, 1, 2, 3, 4, 5}, {0, 1, 6, 7, 2, 3, 4, 5}, {2, 3, 6, 7, 0, 1, 4, 5}, {0, 1, 2, 3, 6, 7, 4, 5},
-        {4, 5, 6, 7, 0, 1, 2, 3}, {0, 1, 4, 5, 6, 7, 2, 3}, {2, 3, 4, 5, 6, 7, 0, 1}, {0, 1, 2, 3, 4, 5, 6, 7}};
-    return t[m];
-  }
-  TALUS_INLINE static double* compress(double* p, B a, M m) {
-    const unsigned k = bits(m);
-    const __m256i idx = _mm256_load_si256(reinterpret_cast<const __m256i*>(lut(k)));
-    _mm256_storeu_pd(p, _mm256_castsi256_pd(_mm256_permutevar8x32_epi32(_mm256_castpd_si256(a), idx)));
-    return p + __builtin_popcount(k);
   }
   TALUS_INLINE static void compress_index(std::int32_t* p, const std::int32_t* src, M m) {
     for (unsigned k = bits(m); k != 0; k &= k - 1) *p++ = src[__builtin_ctz(k)];
@@ -488,7 +453,6 @@ struct Avx512 {
   TALUS_INLINE static B abs(B a) { return _mm512_abs_pd(a); }
   TALUS_INLINE static M lt(B a, B b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ); }
   TALUS_INLINE static M gt(B a, B b) { return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ); }
-  TALUS_INLINE static M both(M a, M b) { return a & b; }
   TALUS_INLINE static bool any(M m) { return m != 0; }
   TALUS_INLINE static unsigned bits(M m) { return m; }
   TALUS_INLINE static B select(M m, B a, B b) { return _mm512_mask_blend_pd(m, b, a); }
@@ -533,10 +497,6 @@ struct Avx512 {
       r[k] = _mm512_add_pd(_mm512_load_pd(p + 8L * a[k]), _mm512_xor_pd(_mm512_load_pd(p + 8L * b[k]), s));
     transpose(r);
     for (int k = 0; k < 8; ++k) o[k] = r[k];
-  }
-  TALUS_INLINE static double* compress(double* p, B a, M m) {
-    _mm512_storeu_pd(p, _mm512_maskz_compress_pd(m, a));
-    return p + __builtin_popcount(m);
   }
   TALUS_INLINE static void carry(unsigned was, unsigned is, const double* from, double* to) {
     _mm512_storeu_pd(to, _mm512_maskz_compress_pd(static_cast<__mmask8>(is),
