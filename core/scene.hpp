@@ -160,7 +160,7 @@ struct ListSettings {
   ListPolicy policy = ListPolicy::local;
   double verlet_k = 200;              ///< K in skin = K |v| dt
   bool floor_on = true, acceleration_on = true, cap_on = true;
-  double floor = 0.02;                ///< of the particle radius... see skin.hpp
+  double floor = 0.02;                ///< of the particle diameter
   double uniform_skin = 1.0;          ///< of the smallest radius
   double cell_factor = 0;             ///< cell edge / minimum; 0 = chosen by policy
 };

@@ -84,7 +84,7 @@ class Simulation {
   double kinetic_energy() const;  ///< translation, from v(n-1/2) [J]
   Frame frame(const FrameRequest& request = {}) const;
   Plan plan() const;
-  std::vector<NodeTime> profile() const;            ///< empty unless RunOptions::profile
+  std::vector<NodeTime> profile() const;            ///< nodes that ran; always recorded
   void start_trace();                               ///< records node executions from now on
   void write_trace(const std::string& path) const;  ///< Chrome trace JSON
   void save(CheckpointWriter& out) const;

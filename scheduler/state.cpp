@@ -164,7 +164,6 @@ void make_chunks(World& w) {
 void remove_row(World& w, Row i) {
   if (!w.is_alive(i)) return;
   const double m = w.mass(i);
-  w.removals.push_back({w.step, w.id[i], m});
   ++w.counters.removed;
   w.counters.removed_mass += m;
   --w.alive;

@@ -133,13 +133,6 @@ class ScratchPool {
   std::vector<Scratch*> free_;
 };
 
-/// Rows that left the domain or were removed, for counts and flux.
-struct Removal {
-  std::int64_t step;
-  ParticleId id;
-  double mass;
-};
-
 struct World {
   Scene scene;
   RunOptions options;
@@ -197,7 +190,6 @@ struct World {
   double loss_damping = 0, loss_friction = 0, loss_background = 0, wall_work = 0, inserted_energy = 0;
   double start_energy = 0;
   bool start_energy_known = false;
-  std::vector<Removal> removals;  ///< since the last frame, for flux
   bool tracing = false;
   std::chrono::steady_clock::time_point trace_start;
   std::atomic<bool> failed{false};
