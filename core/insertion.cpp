@@ -156,7 +156,10 @@ void Insertion::read_file(std::size_t s) {
 void Insertion::check_overlaps(const NewParticles& p, const std::vector<std::int64_t>& row,
                                const std::vector<int>& from) const {
   // Beds at rest hold real static overlaps, so a share of the radius is always accepted.
-  const double allowed = scene_.allow_initial_overlap ? scene_.max_overlap : fmin2(0.05, scene_.max_overlap);
+  // A relaxing start takes any overlap except coincident centres, which have no direction to part in.
+  const bool relaxes = scene_.relax.steps > 0;
+  const double allowed =
+      relaxes ? k_never : (scene_.allow_initial_overlap ? scene_.max_overlap : fmin2(0.05, scene_.max_overlap));
   struct Pair {
     std::int32_t a, b;
     double depth, share;
@@ -185,7 +188,7 @@ void Insertion::check_overlaps(const NewParticles& p, const std::vector<std::int
       const double sum = p.r[i] + s.r;
       if (d2 >= sum * sum) return false;
       const double depth = sum - std::sqrt(d2), share = depth / fmin2(p.r[i], s.r);
-      if (share > allowed) pairs.push_back({std::min(s.index, index), std::max(s.index, index), depth, share});
+      if (share > allowed || (relaxes && d2 == 0)) pairs.push_back({std::min(s.index, index), std::max(s.index, index), depth, share});
       return pairs.size() >= enough;
     });
     occupied.add(p.x[i], p.r[i], index);
@@ -203,10 +206,16 @@ void Insertion::check_overlaps(const NewParticles& p, const std::vector<std::int
   for (std::size_t k = 0; k < pairs.size() && k < 5; ++k)
     list += fmt::format("{}{} and {} by {:.4g} m ({:.3g} of the smaller radius)", k == 0 ? "" : "; ", place(pairs[k].a),
                         place(pairs[k].b), pairs[k].depth, pairs[k].share);
+  if (relaxes)
+    throw Error(ErrorCode::scene,
+                fmt::format("{}{} pairs of coincident centres, which have no direction to part in: {}",
+                            pairs.size() >= enough ? "at least " : "", pairs.size(), list),
+                place(pairs[0].a), "move one particle of each pair by any amount; [relax] parts them from there");
   throw Error(ErrorCode::scene,
               fmt::format("{}{} initial overlaps deeper than {:g} of the smaller radius: {}",
                           pairs.size() >= enough ? "at least " : "", pairs.size(), allowed, list),
-              place(pairs[0].a), "separate the particles or set checks.allow_initial_overlap and checks.max_overlap");
+              place(pairs[0].a), "separate the particles, part them with relax.steps, or set checks.allow_initial_overlap and "
+              "checks.max_overlap");
 }
 
 NewParticles Insertion::initial() {

@@ -165,6 +165,24 @@ struct ListSettings {
   double cell_factor = 0;             ///< cell edge / minimum; 0 = chosen by policy
 };
 
+/// Levels of the run-time monitor (scheduler/monitor.hpp). A warning changes nothing; a stop is a function of the
+/// trajectory, like everything else that ends a run.
+struct MonitorSettings {
+  double warn_overlap = 0.1;          ///< overlap / smaller radius
+  double warn_travel = 0.1;           ///< travel per step / radius
+  double max_travel = 1;              ///< the same, stops: beyond it a wall can be crossed unseen
+  double warn_stiffness = 2;          ///< dt^2 * (sum of the stiffnesses of its contacts / mass) of a particle
+  double warn_energy = 0.1;           ///< |energy balance residual| / energy turned over so far; needs output.energies
+  double max_energy = k_never;        ///< the same, stops
+};
+
+/// Limited-velocity relaxation of an overlapping start: in the first `steps` steps (0: off) particles follow their
+/// contact forces without gravity, friction or inertia, each by at most `displacement` of its radius per step.
+struct RelaxSettings {
+  std::int64_t steps = 0;
+  double displacement = 0.02;
+};
+
 struct OutputSettings {
   double particles_every = 0;         ///< [s] of simulated time; 0 = off
   bool vtkhdf = true, vtp = false;
@@ -202,6 +220,8 @@ struct Scene {
   double max_overlap = 0.5;           ///< of the smaller radius; more stops the run (I9)
   bool allow_initial_overlap = false; ///< accept initial overlaps up to max_overlap
   bool allow_unstable_step = false;
+  MonitorSettings monitor;
+  RelaxSettings relax;
 
   const PairCoefficients& pair(int a, int b) const { return pairs[a * materials.size() + b]; }
 };
@@ -213,7 +233,8 @@ struct RunOptions {
   int chunk = 0;                      ///< particles per chunk; 0: by N and threads
   bool profile = false;
   bool audit = false;                 ///< brute-force check of the list at every step (small N)
-  int seeded_fault = 0;               ///< tests only: break one invariant on purpose (1 border order, 2 contact order, 3 skin)
+  int seeded_fault = 0;               ///< tests only: break one invariant on purpose (1 border order, 2 contact order, 3 skin,
+                                      ///< 4 a velocity becomes NaN in step 50)
 };
 
 }  // namespace talus

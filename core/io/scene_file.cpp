@@ -409,6 +409,16 @@ Scene parse_scene(std::string_view text, std::string name, std::string directory
   scene.max_overlap = checks.number("max_overlap");
   scene.allow_initial_overlap = checks.boolean("allow_initial_overlap");
   scene.allow_unstable_step = checks.boolean("allow_unstable_step");
+  MonitorSettings& monitor = scene.monitor;
+  monitor.warn_overlap = checks.number("warn_overlap");
+  monitor.warn_travel = checks.number("warn_travel");
+  monitor.max_travel = checks.number("max_travel");
+  monitor.warn_stiffness = checks.number("warn_stiffness");
+  monitor.warn_energy = checks.number("warn_energy");
+  if (checks.has("max_energy")) monitor.max_energy = checks.number("max_energy");
+  const SceneTable relax = root.section("relax");
+  scene.relax.steps = relax.integer("steps");
+  scene.relax.displacement = relax.number("displacement");
   return scene;
 }
 

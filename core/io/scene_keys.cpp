@@ -35,7 +35,8 @@ constexpr SceneSection k_sections[] = {
     {"output", false, "what is written, and how often"},
     {"output.plane", true, "a plane through which the particle and mass flux is counted"},
     {"output.region", true, "a region over which averages are taken"},
-    {"checks", false, "limits that stop a run, and permissions to ignore them"},
+    {"checks", false, "limits that warn or stop a run, and permissions to ignore them"},
+    {"relax", false, "limited-velocity relaxation of initial overlaps; off unless steps is given"},
 };
 
 // section, name, type, unit, low, high, low_open, choices, fallback, only, doc, example
@@ -284,6 +285,27 @@ constexpr SceneKey k_keys[] = {
      "accept initial overlaps up to max_overlap (otherwise 0.05)", "true"},
     {"checks", "allow_unstable_step", T::boolean, "", 0, 0, false, "", "false", "",
      "accept a time step above the stability limit", "true"},
+    {"checks", "warn_overlap", T::number, "-", 0, k_big, true, "", "0.1", "", "overlap / smaller radius that warns",
+     "0.05"},
+    {"checks", "warn_travel", T::number, "-", 0, k_big, true, "", "0.1", "",
+     "travel of a particle or wall in one step / radius that warns", "0.05"},
+    {"checks", "max_travel", T::number, "-", 0, k_big, true, "", "1", "",
+     "travel in one step / radius that stops the run: beyond 1 a wall can be crossed unseen", "0.5"},
+    {"checks", "warn_stiffness", T::number, "-", 0, k_big, true, "", "2", "",
+     "step^2 times (sum of the stiffnesses of a particle's contacts / its mass) that warns; surely stable up to 2, "
+     "surely unstable from 12 on, which stops",
+     "1"},
+    {"checks", "warn_energy", T::number, "-", 0, k_big, true, "", "0.1", "",
+     "energy balance residual / energy turned over that warns (with output.energies)", "0.01"},
+    {"checks", "max_energy", T::number, "-", 0, k_big, true, "", "(never)", "",
+     "energy balance residual / energy turned over that stops the run (with output.energies)", "0.5"},
+
+    {"relax", "steps", T::integer, "steps", 0, k_count, false, "", "0", "",
+     "first steps in which particles only leave their overlaps: no gravity, friction or inertia; initial velocities "
+     "are dropped, and overlaps of any depth are accepted",
+     "2000"},
+    {"relax", "displacement", T::number, "-", 0, 0.5, true, "", "0.02", "",
+     "largest displacement of a particle per relaxing step / its radius", "0.01"},
 };
 
 std::vector<std::string_view> split(std::string_view text, char separator) {

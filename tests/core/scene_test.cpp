@@ -80,6 +80,14 @@ TEST(SceneFile, DefaultsEqualThoseOfThePlainStruct) {
   EXPECT_EQ(a.contact.lever, b.contact.lever);
   EXPECT_EQ(a.output.vtkhdf, b.output.vtkhdf);
   EXPECT_EQ(a.output.vtp, b.output.vtp);
+  EXPECT_EQ(a.monitor.warn_overlap, b.monitor.warn_overlap);
+  EXPECT_EQ(a.monitor.warn_travel, b.monitor.warn_travel);
+  EXPECT_EQ(a.monitor.max_travel, b.monitor.max_travel);
+  EXPECT_EQ(a.monitor.warn_stiffness, b.monitor.warn_stiffness);
+  EXPECT_EQ(a.monitor.warn_energy, b.monitor.warn_energy);
+  EXPECT_EQ(a.monitor.max_energy, b.monitor.max_energy);
+  EXPECT_EQ(a.relax.steps, b.relax.steps);
+  EXPECT_EQ(a.relax.displacement, b.relax.displacement);
 }
 
 TEST(SceneFile, EveryKeyIsReadIntoTheScene) {
@@ -231,6 +239,15 @@ radius = 0.3
 max_overlap = 0.25
 allow_initial_overlap = true
 allow_unstable_step = true
+warn_overlap = 0.02
+warn_travel = 0.03
+max_travel = 0.4
+warn_stiffness = 1.5
+warn_energy = 0.01
+max_energy = 0.7
+[relax]
+steps = 300
+displacement = 0.005
 )");
   EXPECT_EQ(s.title, "all # keys");
   EXPECT_EQ(s.seed, 7u);
@@ -307,6 +324,14 @@ allow_unstable_step = true
   EXPECT_EQ(s.output.regions[0].region.radius, 0.3);
   EXPECT_EQ(s.max_overlap, 0.25);
   EXPECT_TRUE(s.allow_initial_overlap && s.allow_unstable_step);
+  EXPECT_EQ(s.monitor.warn_overlap, 0.02);
+  EXPECT_EQ(s.monitor.warn_travel, 0.03);
+  EXPECT_EQ(s.monitor.max_travel, 0.4);
+  EXPECT_EQ(s.monitor.warn_stiffness, 1.5);
+  EXPECT_EQ(s.monitor.warn_energy, 0.01);
+  EXPECT_EQ(s.monitor.max_energy, 0.7);
+  EXPECT_EQ(s.relax.steps, 300);
+  EXPECT_EQ(s.relax.displacement, 0.005);
 }
 
 TEST(SceneFile, ExampleOfEveryKeyParsesAndHoldsTheKey) {
