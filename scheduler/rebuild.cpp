@@ -325,6 +325,7 @@ void rebuild_lists(World& w) {
   w.order.resize(rows);
   for (auto* c : {&w.sx, &w.sy, &w.sz, &w.sr, &w.reach}) grow(*c, rows + k_pad);
   grow(w.sorted_row, rows + k_pad);
+  PartClock clock(w.serial);
   // 1. skins and reference positions; a non-finite coordinate ends the run here at the latest (I9)
   std::vector<double> largest(w.chunks.size(), 0.0);
   std::vector<Row> bad(w.chunks.size(), -1);
@@ -370,6 +371,7 @@ void rebuild_lists(World& w) {
                   "step " + std::to_string(w.step), "reduce the time step, check stiffness and initial overlaps");
   }
   if (top == 0) top = w.r_max > 0 ? w.r_max : 1;
+  clock.lap(RebuildPart::skin);
   // 2. cells; float32 rounding of coordinates and period is covered by `slack`, of the arithmetic by the factor
   double extent = 0;
   for (int k = 0; k < 3; ++k) extent = fmax2(extent, w.size[k]);
@@ -394,7 +396,9 @@ void rebuild_lists(World& w) {
           static_cast<std::uint64_t>(cell_of(x[0], inverse[0], w.cells[0])));
     }
   });
+  clock.lap(RebuildPart::keys);
   sort_by_cell(w, cell_count);
+  clock.lap(RebuildPart::sort);
   w.cell_start.resize(static_cast<std::size_t>(cell_count) + 1);
   const int blocks = std::max(1, std::min<int>(w.threads, static_cast<int>(alive / 8192) + 1));
   parallel(blocks, [&](int b) {
@@ -411,16 +415,23 @@ void rebuild_lists(World& w) {
   });
   const std::uint32_t after = alive == 0 ? 0 : w.key[static_cast<std::size_t>(w.order[alive - 1])] + 1;
   for (std::uint32_t c = after; c <= cell_count; ++c) w.cell_start[c] = static_cast<std::int32_t>(alive);
+  clock.lap(RebuildPart::fill);
   // 3. lists
   if (w.has.walls)
     w.walls.mark(w.scene.list.verlet_k, w.scene.dt, 0.0,
                  w.scene.list.policy == ListPolicy::always ? 0.0 : 0.5 * w.r_min);
   for_chunks(w, [](World& world, Chunk& c) {
     NodeTimer timer(world, c, Node::rebuild);
+    PartClock parts(c);
     c.expired = 0;
     search_chunk(world, c);
+    parts.lap(RebuildPart::search);
     assemble_chunk(world, c);
-    if (world.has.walls) wall_candidates(world, c);
+    parts.lap(RebuildPart::history);
+    if (world.has.walls) {
+      wall_candidates(world, c);
+      parts.lap(RebuildPart::walls);
+    }
   });
   w.counters.pairs = 0;
   for (const auto& c : w.chunks) w.counters.pairs += 2 * c->pairs[1] + c->pairs[0] + c->pairs[2];

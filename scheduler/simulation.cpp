@@ -220,6 +220,7 @@ Energies Simulation::energies() const { return energies_of(impl_->w); }
 double Simulation::kinetic_energy() const { return kinetic_energy_of(impl_->w); }
 Frame Simulation::frame(const FrameRequest& request) const { return frame_of(impl_->w, request); }
 Plan Simulation::plan() const { return plan_of(impl_->w); }
+World& Simulation::world() noexcept { return impl_->w; }
 std::size_t Simulation::bytes() const { return bytes_of(impl_->w); }
 
 Counters Simulation::counters() const {

@@ -13,6 +13,8 @@
 
 namespace talus {
 
+struct World;
+
 /// Cumulative counters of a run (not part of the trajectory unless noted).
 struct Counters {
   std::int64_t steps = 0;              ///< executed by this object
@@ -89,6 +91,7 @@ class Simulation {
   void write_trace(const std::string& path) const;  ///< Chrome trace JSON
   void save(CheckpointWriter& out) const;
   std::size_t bytes() const;  ///< memory of all arrays
+  World& world() noexcept;    ///< everything behind this object, for the microbenchmarks (scheduler/world.hpp)
 
  private:
   struct Impl;

@@ -47,6 +47,9 @@ enum class Node : int {
 };
 const char* node_name(Node node) noexcept;
 
+/// Parts of a rebuild; timed apart so that each can be measured from outside (a few clock reads per rebuild and chunk).
+enum class RebuildPart : int { skin, keys, sort, fill, search, history, walls, count };
+
 /// Contact of a particle with a wall, with its history (I5).
 struct WallState {
   Row row = 0;
@@ -115,6 +118,7 @@ struct Chunk {
   // build buffers
   Column<std::int32_t> build[6];
   Column<std::int32_t> row_buffer;
+  double rebuild_seconds[static_cast<int>(RebuildPart::count)] = {};
   double seconds[static_cast<int>(Node::count)] = {};
   std::int64_t calls[static_cast<int>(Node::count)] = {};
   std::vector<TraceEvent> trace;
@@ -216,6 +220,21 @@ class NodeTimer {
   Chunk& c_;
   Node node_;
   std::chrono::steady_clock::time_point begin_;
+};
+
+/// Adds the time since construction or the last lap to a part of the rebuild.
+class PartClock {
+ public:
+  explicit PartClock(Chunk& c) : c_(c), last_(std::chrono::steady_clock::now()) {}
+  void lap(RebuildPart part) {
+    const auto now = std::chrono::steady_clock::now();
+    c_.rebuild_seconds[static_cast<int>(part)] += std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+  }
+
+ private:
+  Chunk& c_;
+  std::chrono::steady_clock::time_point last_;
 };
 
 // --- state.cpp: storage -------------------------------------------------------------------------------------------
