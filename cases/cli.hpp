@@ -24,6 +24,8 @@ struct Options {
   std::string out;                 ///< run folder; empty: results/<scene name>
   std::string resume;              ///< checkpoint file or run folder
   std::string trace;               ///< Chrome trace file
+  std::optional<std::int64_t> trace_from;  ///< first traced step; default: the first of this run
+  std::int64_t trace_steps = 200;          ///< enough to see rebuilds; much more makes files that no viewer opens
   std::optional<double> verlet_k;
   std::optional<std::int64_t> steps;  ///< last step of the run, not the number still to do
   std::int64_t warm = 0;              ///< first steps that wall_s and the rate leave out

@@ -20,14 +20,20 @@
 namespace talus::cli {
 namespace {
 
-constexpr std::int64_t k_trace_steps = 200;  // enough to see rebuilds; more makes files that no viewer opens
-
-/// A trace of the first steps, then full speed: the file is written as soon as they are over.
+/// Records the steps that --trace-from and --trace-steps name; the file is written as soon as they are over.
 class TraceOnce {
  public:
-  TraceOnce(Simulation& simulation, std::string path)
-      : path_(std::move(path)), until_(simulation.step() + k_trace_steps) {
-    if (!path_.empty()) simulation.start_trace();
+  TraceOnce(Simulation& simulation, const Options& options)
+      : path_(options.trace),
+        from_(options.trace_from.value_or(simulation.step())),
+        until_(from_ + options.trace_steps) {
+    if (path_.empty()) return;
+    if (until_ <= simulation.step() || from_ >= simulation.scene().steps)
+      throw Error(ErrorCode::usage,
+                  fmt::format("no step of this run ({} to {}) is in the trace", simulation.step(),
+                              simulation.scene().steps - 1),
+                  "--trace-from " + std::to_string(from_));
+    simulation.start_trace(from_, options.trace_steps);
   }
   std::int64_t stop(std::int64_t last) const { return path_.empty() ? last : std::min(last, until_); }
   void after(const Simulation& simulation, bool ending) {
@@ -38,7 +44,7 @@ class TraceOnce {
 
  private:
   std::string path_;
-  std::int64_t until_;
+  std::int64_t from_, until_;
 };
 
 struct Outcome {
@@ -54,7 +60,7 @@ Outcome advance(const Options& options, const Scene& scene, Simulation& simulati
   Outcome outcome;
   SignalGuard signals;
   Slicer slicer;
-  TraceOnce trace(simulation, options.trace);
+  TraceOnce trace(simulation, options);
   // Benchmarks leave out the first steps: first-touch page faults and buffers that still grow are not the code's speed.
   const std::int64_t warm = simulation.step() + options.warm;
   try {
@@ -69,7 +75,10 @@ Outcome advance(const Options& options, const Scene& scene, Simulation& simulati
       outputs.write(simulation);
       trace.after(simulation, false);
       progress.update(simulation.step(), simulation.time(), simulation.particles());
-      if (simulation.step() == warm) progress.restart();
+      if (options.warm > 0 && simulation.step() == warm) {
+        progress.restart();
+        simulation.restart_profile();
+      }
     }
     outcome.seconds = progress.seconds();
     outcome.signal = simulation.step() < scene.steps ? signals.caught() : 0;
@@ -108,14 +117,35 @@ void print_closing(const Options& options, const std::string& folder, const Summ
   if (outcome.signal != 0)
     fmt::print("Continue:       {} run {} --resume {}\n", options.program, options.scene, folder);
 }
-/// Table of the nodes of the step: calls, seconds summed over threads, share, time per particle-step.
-void print_profile(const Summary& summary, double particle_steps) {
-  double total = 0;
-  for (const auto& n : summary.nodes) total += n.seconds;
-  fmt::print("{:<20}{:>12}{:>12}{:>9}{:>12}\n", "node", "calls", "seconds", "share", "ns/p-step");
-  for (const auto& n : summary.nodes)
-    fmt::print("{:<20}{:>12}{:>12.3f}{:>8.1f}%{:>12.2f}\n", n.name, n.calls, n.seconds,
-               total > 0 ? 100 * n.seconds / total : 0.0, particle_steps > 0 ? 1e9 * n.seconds / particle_steps : 0.0);
+/// Table of the nodes of the step and where the threads' time went, for the timed steps (after --warm).
+void print_profile(const Profile& p, double particle_steps) {
+  const double steps = static_cast<double>(std::max<std::int64_t>(p.steps, 1));
+  const double total = p.wall * static_cast<double>(p.threads.size());
+  const auto percent = [](double part, double whole) { return whole > 0 ? 100 * part / whole : 0.0; };
+  const auto row = [&](const std::string& name, const std::string& calls, double seconds,
+                       const std::string& imbalance) {
+    fmt::print("{:<20}{:>12}{:>12.3f}{:>8.1f}%{:>12.2f}{:>11}\n", name, calls, seconds, percent(seconds, total),
+               particle_steps > 0 ? 1e9 * seconds / particle_steps : 0.0, imbalance);
+  };
+  fmt::print("{:<20}{:>12}{:>12}{:>9}{:>12}{:>11}\n", "node", "calls", "seconds", "share", "ns/p-step", "imbalance");
+  for (const NodeTime& n : p.nodes) row(n.node, std::to_string(n.calls), n.seconds, fmt::format("{:.2f}", n.imbalance));
+  double waiting = 0, idle = 0;
+  for (const Profile::Thread& t : p.threads) {
+    waiting += t.waiting;
+    idle += t.idle;
+  }
+  if (p.threads.size() > 1) row("waiting in a node", "", waiting, "");
+  row("scheduler and idle", "", idle, "");
+  for (std::size_t k = 0; k < p.threads.size(); ++k) {
+    const Profile::Thread& t = p.threads[k];
+    fmt::print("thread {:<3} busy {:.3f} s ({:.1f} %), waiting {:.3f} s ({:.1f} %), idle {:.3f} s ({:.1f} %)\n", k,
+               t.busy, percent(t.busy, p.wall), t.waiting, percent(t.waiting, p.wall), t.idle, percent(t.idle, p.wall));
+  }
+  const double hops = p.hop * static_cast<double>(p.tasks), reads = static_cast<double>(p.clock_reads);
+  fmt::print("scheduler: {:.3f} us from a chunk's node to its next one, x {} executions = {:.3f} s ({:.2f} %)\n",
+             1e6 * p.hop, p.tasks, hops, percent(hops, total));
+  fmt::print("clock: {:.0f} reads per step, {:.1f} ns each = {:.4f} s ({:.3f} %), always on\n", reads / steps,
+             1e9 * p.clock_read, reads * p.clock_read, percent(reads * p.clock_read, total));
 }
 
 }  // namespace
@@ -156,8 +186,10 @@ int run(const Options& options) {
   }
   if (options.json) {
     fmt::print("{}", summary_json(summary));
-  } else if (!options.quiet) {
-    if (options.run.profile) print_profile(summary, progress.particle_steps());
+    return outcome.signal != 0 ? 128 + outcome.signal : 0;
+  }
+  if (options.run.profile) print_profile(simulation->profile(), progress.particle_steps());
+  if (!options.quiet) {
     print_closing(options, folder.dir(), summary, outputs, outcome);
   }
   return outcome.signal != 0 ? 128 + outcome.signal : 0;

@@ -21,7 +21,7 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   s.simulated_time = simulation.time();
   s.wall_s = facts.wall_s;
   s.particle_steps_per_s = facts.wall_s > 0 ? facts.particle_steps / facts.wall_s : 0;
-  for (const NodeTime& n : simulation.profile()) s.nodes.push_back({n.node, n.calls, n.seconds});
+  for (const NodeTime& n : simulation.profile().nodes) s.nodes.push_back({n.node, n.calls, n.seconds});
   s.rebuilds = c.rebuilds;
   s.rebuilds_skin = c.rebuilds_skin;
   s.rebuilds_forced = c.rebuilds_forced;

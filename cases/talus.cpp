@@ -48,8 +48,12 @@ void add_run_options(CLI::App& app, Options& o) {
       ->check(CLI::NonNegativeNumber);
   app.add_option("--warm", o.warm, "first steps that the reported time and rate leave out (benchmarks)")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--trace", o.trace, "write a Chrome trace (Perfetto) of the first steps")->type_name("FILE");
-  app.add_flag("--profile", o.run.profile, "print a table of the nodes: calls, time, share");
+  app.add_option("--trace", o.trace, "write a Chrome trace (Perfetto): one row per thread, one box per node and chunk")
+      ->type_name("FILE");
+  app.add_option("--trace-from", o.trace_from, "first traced step (default: the first of this run)")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--trace-steps", o.trace_steps, "number of traced steps (default 200)")->check(CLI::PositiveNumber);
+  app.add_flag("--profile", o.run.profile, "print a table of the nodes: calls, time, share, imbalance; idle time of the threads");
   app.add_flag("--audit", o.run.audit, "check the list against brute force at every step (slow: N^2)");
   app.add_flag("--quiet", o.quiet, "no progress, no closing text");
   app.add_flag("--overwrite", o.overwrite, "replace the results of an earlier run in the same folder");

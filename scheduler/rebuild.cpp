@@ -39,14 +39,19 @@ std::uint64_t spread2(std::uint64_t x) {  // for the two-dimensional Morton rank
   return x;
 }
 
-/// Runs fn(block) for blocks 0..n-1 in parallel, isolated.
+/// Runs fn(block) for blocks 0..n-1 in parallel, isolated. Timed as a loop and its blocks.
 template <class F>
-void parallel(int n, F fn) {
+void parallel(World& w, int n, F fn) {
+  const NodeTimer loop(w, Timed::loop, -1);
+  const auto timed = [&](int k) {
+    const NodeTimer block(w, Timed::block, k);
+    fn(k);
+  };
   if (n == 1) {
-    fn(0);
+    timed(0);
     return;
   }
-  tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, n, fn, tbb::simple_partitioner{}); });
+  tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, n, timed, tbb::simple_partitioner{}); });
 }
 
 /// Stable sort of the alive rows by cell key (least significant digit first, block-parallel counting sort).
@@ -59,7 +64,7 @@ void sort_by_cell(World& w, std::uint32_t cells) {
   std::int32_t *from = w.order.data(), *to = other.data();
   for (int shift = 0; (std::uint64_t{cells} - 1) >> shift != 0; shift += digit) {
     std::fill(hist.begin(), hist.end(), 0);
-    parallel(blocks, [&](int b) {
+    parallel(w, blocks, [&](int b) {
       std::uint32_t* h = hist.data() + static_cast<std::size_t>(b) * buckets;
       for (std::size_t k = n * b / blocks; k < n * (b + 1) / blocks; ++k)
         ++h[(w.key[from[k]] >> shift) & (buckets - 1)];
@@ -72,7 +77,7 @@ void sort_by_cell(World& w, std::uint32_t cells) {
         h = sum;
         sum += c;
       }
-    parallel(blocks, [&](int b) {
+    parallel(w, blocks, [&](int b) {
       std::uint32_t* h = hist.data() + static_cast<std::size_t>(b) * buckets;
       for (std::size_t k = n * b / blocks; k < n * (b + 1) / blocks; ++k)
         to[h[(w.key[from[k]] >> shift) & (buckets - 1)]++] = from[k];
@@ -238,7 +243,7 @@ void wall_candidates(World& w, Chunk& c) {
 }  // namespace
 
 void for_chunks(World& w, void (*fn)(World&, Chunk&)) {
-  parallel(static_cast<int>(w.chunks.size()), [&](int k) { fn(w, *w.chunks[static_cast<std::size_t>(k)]); });
+  parallel(w, static_cast<int>(w.chunks.size()), [&](int k) { fn(w, *w.chunks[static_cast<std::size_t>(k)]); });
 }
 
 void carry_from_lists(World& w) {
@@ -282,7 +287,7 @@ void sort_epoch(World& w) {
     inverse_row[static_cast<std::size_t>(keys[q].second)] = static_cast<Row>(q);
   const auto n = static_cast<Row>(keys.size());
   const int stride = w.stride;
-  parallel(w.threads, [&](int b) {
+  parallel(w, w.threads, [&](int b) {
     for (std::size_t q = keys.size() * b / w.threads; q < keys.size() * (b + 1) / w.threads; ++q) {
       const long o = keys[q].second;
       std::memcpy(w.p2.data() + 4 * q, w.p.data() + 4 * o, 4 * sizeof(double));
@@ -329,7 +334,7 @@ void rebuild_lists(World& w) {
   // 1. skins and reference positions; a non-finite coordinate ends the run here at the latest (I9)
   std::vector<double> largest(w.chunks.size(), 0.0);
   std::vector<Row> bad(w.chunks.size(), -1);
-  parallel(static_cast<int>(w.chunks.size()), [&](int q) {
+  parallel(w, static_cast<int>(w.chunks.size()), [&](int q) {
     const Chunk& c = *w.chunks[static_cast<std::size_t>(q)];
     double top = 0;
     for (Row i = c.lo; i < c.hi; ++i) {
@@ -365,10 +370,7 @@ void rebuild_lists(World& w) {
   double top = 0;
   for (std::size_t q = 0; q < largest.size(); ++q) {
     top = fmax2(top, largest[q]);
-    if (bad[q] >= 0)
-      throw Error(ErrorCode::physics,
-                  "particle " + std::to_string(w.id[bad[q]]) + " has a non-finite position or velocity",
-                  "step " + std::to_string(w.step), "reduce the time step, check stiffness and initial overlaps");
+    if (bad[q] >= 0) fail_non_finite(w, bad[q]);
   }
   if (top == 0) top = w.r_max > 0 ? w.r_max : 1;
   clock.lap(RebuildPart::skin);
@@ -381,7 +383,7 @@ void rebuild_lists(World& w) {
   std::size_t alive = 0;
   for (Row i = 0; i < w.n; ++i)
     if (w.is_alive(i)) w.order[alive++] = i;
-  parallel(static_cast<int>(w.chunks.size()), [&](int q) {
+  parallel(w, static_cast<int>(w.chunks.size()), [&](int q) {
     const Chunk& c = *w.chunks[static_cast<std::size_t>(q)];
     double inverse[3];
     for (int k = 0; k < 3; ++k) inverse[k] = w.cells[k] / w.size[k];
@@ -401,7 +403,7 @@ void rebuild_lists(World& w) {
   clock.lap(RebuildPart::sort);
   w.cell_start.resize(static_cast<std::size_t>(cell_count) + 1);
   const int blocks = std::max(1, std::min<int>(w.threads, static_cast<int>(alive / 8192) + 1));
-  parallel(blocks, [&](int b) {
+  parallel(w, blocks, [&](int b) {
     for (std::size_t k = alive * b / blocks; k < alive * (b + 1) / blocks; ++k) {
       const auto i = static_cast<std::size_t>(w.order[k]);
       w.sx[k] = static_cast<float>(w.p[4 * i]);
@@ -421,7 +423,6 @@ void rebuild_lists(World& w) {
     w.walls.mark(w.scene.list.verlet_k, w.scene.dt, 0.0,
                  w.scene.list.policy == ListPolicy::always ? 0.0 : 0.5 * w.r_min);
   for_chunks(w, [](World& world, Chunk& c) {
-    NodeTimer timer(world, c, Node::rebuild);
     PartClock parts(c);
     c.expired = 0;
     search_chunk(world, c);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 
 #include "core/error.hpp"
 #include "scheduler/world.hpp"
@@ -33,6 +32,8 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   w.scene = scene;
   w.options = options;
   w.threads = options.threads > 0 ? options.threads : available_threads();
+  w.times.prepare(w.threads);
+  w.serial.index = -1;
   w.kernels = &select_kernels(options.isa, &w.isa_why);
   w.law = &law_info(scene.contact.model);
   Features& h = w.has;
@@ -201,8 +202,10 @@ void Simulation::run(std::int64_t steps) {
     throw Error(ErrorCode::physics, "this run has failed and cannot go on", "step " + std::to_string(w.step));
   if (steps <= 0) return;
   const std::int64_t target = w.step + steps;
-  if (w.has.energies && !w.start_energy_known && w.counters.steps == 0 && w.step == 0) {
-    run_graph(w, 1);
+  // The balance starts with the first step of the motion proper: a relaxation takes energy out that nothing counts.
+  const std::int64_t first = w.scene.relax.steps;
+  if (w.has.energies && !w.start_energy_known && w.step <= first && target > first) {
+    run_graph(w, first + 1);
     const Energies e = energies_of(w);
     w.start_energy = e.kinetic_translation + e.kinetic_rotation + e.potential + e.elastic + e.dissipated_damping +
                      e.dissipated_friction + e.dissipated_background - e.wall_work - e.inserted;
@@ -220,6 +223,8 @@ Energies Simulation::energies() const { return energies_of(impl_->w); }
 double Simulation::kinetic_energy() const { return kinetic_energy_of(impl_->w); }
 Frame Simulation::frame(const FrameRequest& request) const { return frame_of(impl_->w, request); }
 Plan Simulation::plan() const { return plan_of(impl_->w); }
+const std::vector<Warning>& Simulation::warnings() const noexcept { return impl_->w.monitor.warnings; }
+const std::vector<ParticleId>& Simulation::culprits() const noexcept { return impl_->w.culprits; }
 World& Simulation::world() noexcept { return impl_->w; }
 std::size_t Simulation::bytes() const { return bytes_of(impl_->w); }
 
@@ -237,49 +242,19 @@ Counters Simulation::counters() const {
   return c;
 }
 
-std::vector<NodeTime> Simulation::profile() const {
-  const World& w = impl_->w;
-  std::vector<NodeTime> out;
-  for (int k = 0; k < static_cast<int>(Node::count); ++k) {
-    NodeTime t;
-    t.node = node_name(static_cast<Node>(k));
-    t.calls = w.serial.calls[k];
-    t.seconds = w.serial.seconds[k];
-    for (const auto& c : w.chunks) {
-      // the serial rebuild node already contains its chunks' parts on one thread
-      if (static_cast<Node>(k) == Node::rebuild) continue;
-      t.calls += c->calls[k];
-      t.seconds += c->seconds[k];
-    }
-    if (t.calls > 0) out.push_back(t);
-  }
-  return out;
-}
-
-void Simulation::start_trace() {
-  impl_->w.tracing = true;
-  impl_->w.trace_start = std::chrono::steady_clock::now();
-}
+Profile Simulation::profile() const { return impl_->w.times.report(); }
+void Simulation::restart_profile() { impl_->w.times.restart(); }
+void Simulation::start_trace(std::int64_t first_step, std::int64_t steps) { impl_->w.times.trace(first_step, steps); }
 
 void Simulation::write_trace(const std::string& path) const {
   const World& w = impl_->w;
-  std::ofstream out(path);
-  out << "{\"traceEvents\":[\n";
-  bool first = true;
-  const auto write = [&](const Chunk& c, const char* label) {
-    for (const TraceEvent& e : c.trace) {
-      out << (first ? "" : ",\n") << "{\"ph\":\"X\",\"pid\":1,\"tid\":" << e.thread
-          << ",\"ts\":" << static_cast<double>(e.begin_ns) * 1e-3
-          << ",\"dur\":" << static_cast<double>(e.end_ns - e.begin_ns) * 1e-3 << ",\"name\":\"" << node_name(e.node)
-          << label << "\",\"args\":{\"chunk\":" << e.chunk << "}}";
-      first = false;
-    }
-  };
-  write(w.serial, "");
-  for (const auto& c : w.chunks) write(*c, "");
-  out << "\n]}\n";
-  out.close();
-  if (!out) throw Error(ErrorCode::io, "cannot write the trace", path);
+  w.times.write(path, {{"particles", std::to_string(w.alive)},
+                       {"threads", std::to_string(w.threads)},
+                       {"chunk", std::to_string(w.chunk_size)},
+                       {"chunks", std::to_string(w.chunks.size())},
+                       {"bytes", std::to_string(bytes_of(w))},
+                       {"sort_every", std::to_string(w.scene.sort_every)},
+                       {"isa", std::string("\"") + w.kernels->name + "\""}});
 }
 
 void Simulation::save(CheckpointWriter& out) const {

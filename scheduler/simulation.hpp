@@ -37,7 +37,25 @@ struct Counters {
 struct NodeTime {
   std::string node;
   std::int64_t calls = 0;
-  double seconds = 0;  ///< summed over threads
+  double seconds = 0;    ///< summed over threads, without nodes inside it and without waiting
+  double imbalance = 1;  ///< largest / mean over the threads of their seconds in this node
+};
+
+/// Where the threads' time went since the start or the last restart_profile(). busy + waiting + idle = wall per thread.
+struct Profile {
+  struct Thread {
+    double busy = 0;     ///< in nodes [s]
+    double waiting = 0;  ///< in a serial node for the blocks of other threads [s]
+    double idle = 0;     ///< no node to run, or in the scheduler [s]
+  };
+  std::vector<NodeTime> nodes;  ///< those that ran
+  std::vector<Thread> threads;
+  double wall = 0;  ///< of run() [s]
+  std::int64_t steps = 0;
+  std::int64_t tasks = 0;            ///< node executions on chunks
+  double hop = 0;                    ///< mean time from a chunk's node to its next one on the same thread [s]
+  std::int64_t clock_reads = 0;
+  double clock_read = 0;             ///< cost of one, measured now [s]
 };
 
 /// What the step consists of; printed by `talus explain`.
@@ -57,6 +75,15 @@ struct Plan {
   std::string law, isa, isa_why, policy;
   int threads = 0, chunk = 0, chunks = 0;
   std::string graph;  ///< text picture: nodes in order with edges
+};
+
+/// Something that the run-time monitor has seen: one entry per kind, in order of appearance.
+struct Warning {
+  std::string kind;             ///< overlap, travel, stiffness, energy
+  std::string text;             ///< what, who, when and the cure, of the first time
+  std::int64_t first_step = 0;
+  std::int64_t count = 0;       ///< pairs, particles or balances above the level, summed over the sampled steps
+  double worst = 0, level = 0;
 };
 
 struct FrameRequest {
@@ -86,9 +113,12 @@ class Simulation {
   double kinetic_energy() const;  ///< translation, from v(n-1/2) [J]
   Frame frame(const FrameRequest& request = {}) const;
   Plan plan() const;
-  std::vector<NodeTime> profile() const;            ///< nodes that ran; always recorded
-  void start_trace();                               ///< records node executions from now on
-  void write_trace(const std::string& path) const;  ///< Chrome trace JSON
+  const std::vector<Warning>& warnings() const noexcept;      ///< of this object's steps
+  const std::vector<ParticleId>& culprits() const noexcept;   ///< particles that the failure of run() names
+  Profile profile() const;                          ///< always recorded
+  void restart_profile();                           ///< from now on (benchmarks: after their warm steps)
+  void start_trace(std::int64_t first_step, std::int64_t steps);  ///< records the executions of nodes in these steps
+  void write_trace(const std::string& path) const;  ///< Chrome trace JSON. Error{io}
   void save(CheckpointWriter& out) const;
   std::size_t bytes() const;  ///< memory of all arrays
   World& world() noexcept;    ///< everything behind this object, for the microbenchmarks (scheduler/world.hpp)

@@ -12,47 +12,6 @@
 
 namespace talus {
 
-const char* node_name(Node node) noexcept {
-  switch (node) {
-    case Node::displacement_check:
-      return "displacement_check";
-    case Node::insert:
-      return "insert";
-    case Node::sort_epoch:
-      return "sort_epoch";
-    case Node::rebuild:
-      return "rebuild";
-    case Node::narrow_phase:
-      return "narrow_phase";
-    case Node::contact_force:
-      return "contact_force";
-    case Node::wall_contact:
-      return "wall_contact";
-    case Node::integrate:
-      return "integrate";
-    case Node::energy:
-      return "energy";
-    default:
-      return "?";
-  }
-}
-
-NodeTimer::~NodeTimer() {
-  const auto end = std::chrono::steady_clock::now();
-  const int k = static_cast<int>(node_);
-  c_.seconds[k] += std::chrono::duration<double>(end - begin_).count();
-  ++c_.calls[k];
-  if (w_.tracing) {
-    using ns = std::chrono::nanoseconds;
-    c_.trace.push_back({node_, c_.index, -1, std::chrono::duration_cast<ns>(begin_ - w_.trace_start).count(),
-                        std::chrono::duration_cast<ns>(end - w_.trace_start).count()});
-    thread_local static int counter = 0;
-    static std::atomic<int> next{1};
-    if (counter == 0) counter = next++;
-    c_.trace.back().thread = counter;
-  }
-}
-
 double World::mass(Row i) const {
   const double r = p[4L * i + 3];
   const double rho = scene.materials[has.materials ? material[i] : 0].density;
@@ -143,15 +102,6 @@ void make_chunks(World& w) {
   while (static_cast<int>(w.chunks.size()) < count) {
     w.chunks.push_back(std::make_unique<Chunk>());
     w.chunks.back()->index = static_cast<int>(w.chunks.size()) - 1;
-  }
-  for (std::size_t k = static_cast<std::size_t>(count); k < w.chunks.size(); ++k) {  // keep the times of chunks that go
-    const Chunk& c = *w.chunks[k];
-    for (int q = 0; q < static_cast<int>(Node::count); ++q) {
-      if (static_cast<Node>(q) == Node::rebuild) continue;  // counted by the serial node
-      w.serial.seconds[q] += c.seconds[q];
-      w.serial.calls[q] += c.calls[q];
-    }
-    w.serial.trace.insert(w.serial.trace.end(), c.trace.begin(), c.trace.end());
   }
   w.chunks.resize(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) {

@@ -32,6 +32,19 @@ namespace talus {
 
 namespace {
 
+/// The wall time of a run for the profile, also when it fails.
+class TimedRun {
+ public:
+  explicit TimedRun(World& w) : w_(w), first_(w.step) { w_.times.run_begins(); }
+  ~TimedRun() { w_.times.run_ends(w_.step - first_); }
+  TimedRun(const TimedRun&) = delete;
+  TimedRun& operator=(const TimedRun&) = delete;
+
+ private:
+  World& w_;
+  std::int64_t first_;
+};
+
 std::string at_step(const World& w) { return "step " + std::to_string(w.step); }
 
 /// Runs a node's body; exceptions do not cross TBB: the failure of the lowest chunk is kept and rethrown after the
@@ -56,19 +69,31 @@ void collect_results(World& w) {
   static const char* const axis = "xyz";
   for (const auto& cp : w.chunks) {
     Chunk& c = *cp;
+    const std::string too_deep =
+        " overlap by more than " + std::to_string(w.scene.max_overlap) + " of the smaller radius";
+    const char* const deep_cure =
+        "stiffer contacts, a smaller time step, relax.steps for an overlapping start, or a larger checks.max_overlap";
     if (c.deep_slot >= 0) {
-      const Row i = c.row_buffer[0], j = c.row_buffer[1];
-      throw Error(ErrorCode::physics,
-                  "particles " + std::to_string(w.id[i]) + " and " + std::to_string(w.id[j]) +
-                      " overlap by more than " + std::to_string(w.scene.max_overlap) + " of the smaller radius",
-                  "step " + std::to_string(w.step - 1),
-                  "stiffer contacts, a smaller time step or a larger checks.max_overlap");
+      const ParticleId i = w.id[c.row_buffer[0]], j = w.id[c.row_buffer[1]];
+      fail_step(w, {i, j}, "particles " + std::to_string(i) + " and " + std::to_string(j) + too_deep, deep_cure);
+    }
+    if (c.deep_wall >= 0) {
+      const WallState& t = c.wall_state[static_cast<std::size_t>(c.deep_wall)];
+      fail_step(w, {w.id[t.row]},
+                "particle " + std::to_string(w.id[t.row]) + " and wall '" + w.walls.name(t.contact.wall) + "'" + too_deep,
+                deep_cure);
     }
     if (c.unstable_row >= 0)
-      throw Error(ErrorCode::physics,
-                  "particle " + std::to_string(w.id[c.unstable_row]) +
-                      ": the stiffness of its contacts makes the time step unstable",
-                  "step " + std::to_string(w.step - 1), "a smaller time.step");
+      fail_step(w, {w.id[c.unstable_row]},
+                "particle " + std::to_string(w.id[c.unstable_row]) +
+                    ": the stiffness of its contacts makes the time step unstable",
+                "a smaller time.step");
+    for (std::int32_t k = 0; k < c.out_count; ++k)
+      if (const Row i = c.out[static_cast<std::size_t>(k)]; !finite_row(w, i)) fail_non_finite(w, i);
+  }
+  judge_step(w);
+  for (const auto& cp : w.chunks) {
+    Chunk& c = *cp;
     for (std::int32_t k = 0; k < c.out_count; ++k) {
       const Row i = c.out[static_cast<std::size_t>(k)];
       const double* x = w.p.data() + 4L * i;
@@ -76,6 +101,7 @@ void collect_results(World& w) {
         if (w.scene.domain.periodic(a) || (x[a] >= 0 && x[a] < w.size[a])) continue;
         if (w.scene.domain.boundary[static_cast<std::size_t>(a)][x[a] < 0 ? 0 : 1] != Boundary::open) {
           const Vec3 at = w.position(i);
+          w.culprits = {w.id[i]};
           throw Error(ErrorCode::physics,
                       "particle " + std::to_string(w.id[i]) + " left the domain through the closed " + axis[a] +
                           " side at (" + std::to_string(at.x) + ", " + std::to_string(at.y) + ", " +
@@ -105,6 +131,8 @@ Decision check_step(World& w, std::int64_t target) {
       w.next_event < w.scene.events.size() && det::nearest(w.scene.events[w.next_event].time / w.scene.dt) <= w.step;
   const bool epoch = w.step % w.scene.sort_every == 0;
   d.structure = insertion || event || epoch;
+  w.sampled = w.step >= w.scene.relax.steps &&
+              (d.structure || w.step % k_sample_every == 0 || w.step == w.scene.relax.steps);
   bool expired = w.scene.list.policy == ListPolicy::always || (w.has.moving_walls && w.walls.expired());
   for (const auto& c : w.chunks) expired = expired || c->expired != 0;
   d.rebuild = d.structure || !w.lists_valid || expired;
@@ -187,6 +215,7 @@ void insert_step(World& w) {
 void sort_step(World& w) {
   if (w.step % w.scene.sort_every != 0) return;
   NodeTimer timer(w, w.serial, Node::sort_epoch);
+  check_finite(w);
   sort_epoch(w);
   rebuild_step(w, true, true);
 }
@@ -250,6 +279,7 @@ void run_graph(World& w, std::int64_t target) {
   tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(w.threads));
   tbb::task_arena arena(w.threads);
   bool running = true, enter_at_start = false;
+  const TimedRun timed(w);
   while (running) {
     arena.execute([&] {
       graph g;

@@ -17,6 +17,8 @@
 #include "core/types.hpp"
 #include "core/walls.hpp"
 #include "kernels/kernel_table.hpp"
+#include "scheduler/profile.hpp"
+#include "scheduler/monitor.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus {
@@ -31,21 +33,6 @@ struct Features {
   int history_columns = 0;
   bool reff = false;
 };
-
-/// Nodes of the step graph, in order; names are the same in graph, explain, profile and trace.
-enum class Node : int {
-  displacement_check,
-  insert,
-  sort_epoch,
-  rebuild,
-  narrow_phase,
-  contact_force,
-  wall_contact,
-  integrate,
-  energy,
-  count
-};
-const char* node_name(Node node) noexcept;
 
 /// Parts of a rebuild; timed apart so that each can be measured from outside (a few clock reads per rebuild and chunk).
 enum class RebuildPart : int { skin, keys, sort, fill, search, history, walls, count };
@@ -69,13 +56,6 @@ struct CarriedContacts {
 struct ContactEntry {
   Row a = 0, b = 0;
   double h[k_max_history] = {0, 0, 0, 0};
-};
-
-struct TraceEvent {
-  Node node;
-  int chunk;
-  int thread;
-  std::int64_t begin_ns, end_ns;
 };
 
 /// Per-execution buffers of one chunk between narrow phase and integration; pooled so that they stay in cache.
@@ -114,14 +94,13 @@ struct Chunk {
   int expired = 0;
   std::int32_t unstable_row = -1;
   std::int64_t deep_slot = -1;
+  std::int64_t deep_wall = -1;  ///< wall contact deeper than allowed, or -1
+  ChunkExtremes extremes;       ///< of a sampled step
   Scratch* scratch = nullptr;
   // build buffers
   Column<std::int32_t> build[6];
   Column<std::int32_t> row_buffer;
   double rebuild_seconds[static_cast<int>(RebuildPart::count)] = {};
-  double seconds[static_cast<int>(Node::count)] = {};
-  std::int64_t calls[static_cast<int>(Node::count)] = {};
-  std::vector<TraceEvent> trace;
 };
 
 /// Pool of scratch buffers, last in first out.
@@ -170,7 +149,8 @@ struct World {
   Vec3 gravity;
   int chunk_size = 4096;
   std::vector<std::unique_ptr<Chunk>> chunks;
-  Chunk serial;          ///< times of the serial nodes
+  Chunk serial;          ///< stands for all rows in the timers of serial nodes
+  NodeTimes times;
   int graph_chunks = 0;  ///< chunks the step graph was built for
   ScratchPool scratch;
 
@@ -187,6 +167,9 @@ struct World {
   std::unique_ptr<Insertion> insertion;
   std::size_t next_event = 0;
   double unstable_limit = 0;  ///< bound on row sum / mass [1/s2]
+  bool sampled = false;       ///< the monitor looks at the present step
+  MonitorState monitor;
+  std::vector<ParticleId> culprits;  ///< named by the failure
 
   // cumulative
   Counters counters;
@@ -194,8 +177,6 @@ struct World {
   double loss_damping = 0, loss_friction = 0, loss_background = 0, wall_work = 0, inserted_energy = 0;
   double start_energy = 0;
   bool start_energy_known = false;
-  bool tracing = false;
-  std::chrono::steady_clock::time_point trace_start;
   std::atomic<bool> failed{false};
   std::mutex error_mutex;
   int error_chunk = 0;
@@ -207,19 +188,6 @@ struct World {
   int pair_index(int a, int b) const { return a * static_cast<int>(scene.materials.size()) + b; }
   Vec3 position(Row i) const;  ///< absolute [m]
   bool is_alive(Row i) const { return p[4L * i] < 1e100; }
-};
-
-/// Times one execution of a node on a chunk and records it for profile and trace.
-class NodeTimer {
- public:
-  NodeTimer(World& w, Chunk& c, Node node) : w_(w), c_(c), node_(node), begin_(std::chrono::steady_clock::now()) {}
-  ~NodeTimer();
-
- private:
-  World& w_;
-  Chunk& c_;
-  Node node_;
-  std::chrono::steady_clock::time_point begin_;
 };
 
 /// Adds the time since construction or the last lap to a part of the rebuild.

@@ -104,7 +104,7 @@ TEST(LeftOut, OnlyPlannedNodesRun) {
     sim.run(200);
     auto nodes = nodes_of(sim.plan());
     std::map<std::string, std::int64_t> ran;
-    for (const NodeTime& t : sim.profile()) ran[t.node] = t.calls;
+    for (const NodeTime& t : sim.profile().nodes) ran[t.node] = t.calls;
     for (const auto& [name, node] : nodes) EXPECT_EQ(ran[name] > 0, node.in) << scene.title << ": " << name;
     for (const auto& [name, calls] : ran) EXPECT_TRUE(nodes.contains(name)) << name;
   }
