@@ -166,7 +166,8 @@ void narrow_chunk(World& w, Chunk& c) {
     a.h_new[k] = s.h[k].data();
   }
   // d < w (1 - max_overlap r_small / (r_small + r_large)) for the most unequal pair; confirmed exactly below
-  a.deep = 1.0 - w.scene.max_overlap * w.r_min / (w.r_min + w.r_max);
+  const bool relaxing = w.step < w.scene.relax.steps;
+  a.deep = relaxing ? 0.0 : fmax2(0.0, 1.0 - w.scene.max_overlap * w.r_min / (w.r_min + w.r_max));
   a.ci = s.ci.data();
   a.cj = s.cj.data();
   w.kernels->narrow(a);
@@ -271,6 +272,9 @@ void wall_chunk(World& w, Chunk& c) {
   alignas(64) std::int32_t pair[k_block + k_pad];
   const auto law = w.kernels->law[w.law_variant];
   const int mass_lane = w.has.rotation ? 7 : 3;
+  // where the centre of a grain gets this close to a wall it is about to come out on the other side
+  const double deep = w.step < w.scene.relax.steps ? -1.0 : 1.0 - w.scene.max_overlap;
+  c.deep_wall = -1;
   c.wall_force.resize(c.wall_next.size());
   c.wall_point.resize(c.wall_next.size());
   if (w.has.energies) c.wall_power.resize(c.wall_next.size());
@@ -284,6 +288,8 @@ void wall_chunk(World& w, Chunk& c) {
       by[k] = t.contact.normal.y * t.contact.distance;
       bz[k] = t.contact.normal.z * t.contact.distance;
       bw[k] = reff[k] = w.p[4L * t.row + 3];
+      if (t.contact.distance < deep * bw[k])
+        c.deep_wall = static_cast<std::int64_t>(k0) + (k < n ? k : n - 1);
       r[0][k] = v[0] - t.contact.velocity.x;
       r[1][k] = v[1] - t.contact.velocity.y;
       r[2][k] = v[2] - t.contact.velocity.z;
@@ -332,6 +338,13 @@ void wall_chunk(World& w, Chunk& c) {
 void integrate_chunk(World& w, Chunk& c) {
   NodeTimer timer(w, c, Node::integrate);
   Scratch& s = *c.scratch;
+  grow(c.out, static_cast<std::size_t>(c.hi - c.lo));
+  if (w.step < w.scene.relax.steps) {
+    relax_chunk(w, c);
+    w.scratch.give(c.scratch);
+    c.scratch = nullptr;
+    return;
+  }
   IntegrateArgs a{};
   a.lo = c.lo;
   a.hi = c.hi;
@@ -355,12 +368,14 @@ void integrate_chunk(World& w, Chunk& c) {
   a.viscous = w.scene.viscous_damping;
   a.local = w.scene.local_damping;
   a.unstable = w.unstable_limit;
-  grow(c.out, static_cast<std::size_t>(c.hi - c.lo));
   a.out = c.out.data();
   w.kernels->integrate[w.has.rotation ? 1 : 0](a);
   c.out_count = a.out_count;
   c.expired = a.expired;
   c.unstable_row = a.unstable_row;
+  if (w.sampled) observe_chunk(w, c);
+  if (w.options.seeded_fault == 4 && w.step == 50 && c.index == 0)
+    w.v2[0] = w.p2[0] = __builtin_nan("");  // tests only: a number that is none is born
   w.scratch.give(c.scratch);
   c.scratch = nullptr;
 }
