@@ -1,0 +1,333 @@
+"""Reads a recorded trace of `talus run --threads 1 --trace` and simulates the schedule of its task graph on many cores.
+
+Who calls it: schedule.py. No I/O except reading the trace; the same seed gives the same numbers.
+
+The model. A step is: displacement_check (serial), a fan-out to the chunks, per chunk narrow_phase -> contact_force ->
+(wall_contact) -> integrate, a join. A rebuild is the sequence of serial parts and parallel loops that the trace shows. Durations
+are those measured, chunk by chunk; a larger system draws from them. Scheduling follows oneTBB 2021.8 (its sources):
+  - a finished node runs one ready successor on the same thread at once (so a chunk's chain stays on one core) and puts the others
+    at the end of its own queue; the owner takes from the end, a thief from the front;
+  - a thread without work picks one victim at random; a failed attempt costs a pause of 1000 cycles; after some hundred failures it
+    falls asleep, and waking it costs `wake`;
+  - taking tasks out of one queue is serialised by its lock.
+Memory: traffic beyond the caches shares the node's bandwidth; a chunk cannot finish faster than its share allows.
+"""
+import heapq
+import json
+import random
+from dataclasses import dataclass, field
+
+CHAIN = ("narrow_phase", "contact_force", "wall_contact", "integrate")
+
+
+@dataclass
+class Costs:
+    """What the scheduler itself costs, in seconds."""
+
+    hop: float = 0.1e-6       # from a node to the next one of its chain; measured in the trace
+    spawn: float = 0.1e-6     # putting one ready task into the queue; measured in the trace (fan-out)
+    join: float = 1e-6        # last integrate -> displacement_check; measured in the trace
+    steal: float = 0.3e-6     # taking a task out of another thread's queue, under its lock
+    attempt: float = 0.4e-6   # a failed attempt: prolonged_pause(), 1000 cycles
+    asleep_after: float = 150e-6  # idle time after which a worker sleeps: 100 yields and 2 (threads + 1) pauses
+    wake: float = 20e-6       # waking it: 5 to 50 us
+
+
+@dataclass
+class Memory:
+    """A stated node: shared bandwidth and caches."""
+
+    bytes_per_particle: float = 0.0
+    bandwidth: float = 0.0  # of a socket [B/s]
+    l2: float = 0.0         # of a core [B]
+    l3: float = 0.0         # of a socket [B]
+    socket: int = 56        # cores
+
+    def seconds_per_particle(self, cores, particles):
+        """Least time of one core per particle-step while all cores stream: 0 if everything stays in the caches."""
+        if self.bandwidth <= 0:
+            return 0.0
+        sockets = -(-cores // self.socket)
+        working_set = self.bytes_per_particle * particles
+        share = max(0.0, 1 - (cores * self.l2 + sockets * self.l3) / working_set)
+        return cores * share * self.bytes_per_particle / (sockets * self.bandwidth)
+
+
+@dataclass
+class Recording:
+    """What a trace says about one scene and chunk size."""
+
+    facts: dict
+    chains: list            # steps x chunks x {node: seconds}
+    check: float            # seconds of displacement_check
+    first_gap: float        # end of the check to the first narrow_phase: fan-out to all chunks
+    join_gap: float         # end of the last integrate to the next check
+    hop: float
+    rebuild: list = None    # segments of a rebuild: ("serial", s) or ("loop", [s, ...])
+    sort_epoch: list = None  # of an epoch without the rebuild in it
+    rebuild_share: float = 0.0
+    kinds: list = field(default_factory=list)
+
+    @property
+    def chunks(self):
+        return len(self.chains[0])
+
+    def kind_seconds(self, kind):
+        """Mean seconds per step of one node kind, all chunks."""
+        return sum(c.get(kind, 0.0) for step in self.chains for c in step) / len(self.chains)
+
+
+class TraceError(Exception):
+    pass
+
+
+def median(values):
+    values = sorted(values)
+    return values[len(values) // 2] if values else 0.0
+
+
+def segments(events, begin, end, inner=()):
+    """Serial parts and parallel loops between begin and end; `inner` intervals belong to another node and are cut out."""
+    out, at = [], begin
+    loops = []
+    for e in events:
+        key = e["args"]["loop"]
+        if not loops or loops[-1][0] != key:
+            loops.append((key, []))
+        loops[-1][1].append(e)
+    marks = [(g[0]["ts"], max(e["ts"] + e["dur"] for e in g), [e["dur"] * 1e-6 for e in g]) for _, g in loops]
+    marks += [(b, e, None) for b, e in inner]
+    for b, e, blocks in sorted(marks, key=lambda m: m[0]):
+        out.append(("serial", max(0.0, b - at) * 1e-6))
+        if blocks:
+            out.append(("loop", blocks))
+        at = e
+    out.append(("serial", max(0.0, end - at) * 1e-6))
+    return out
+
+
+def read_trace(path):
+    with open(path) as f:
+        trace = json.load(f)
+    facts = trace["otherData"]
+    if facts["threads"] != 1:
+        raise TraceError(f"{path}: recorded with {facts['threads']} threads; durations are wanted from one")
+    events = sorted((e for e in trace["traceEvents"] if e["ph"] == "X"), key=lambda e: e["ts"])
+    steps = {}
+    for e in events:
+        steps.setdefault(e["args"]["step"], []).append(e)
+    chains, checks, first, joins, hops = [], [], [], [], []
+    rebuild, epoch, last_end = None, None, None
+    for number in sorted(steps):
+        chunks, serial, blocks = {}, {}, []
+        for e in steps[number]:
+            if "chunk" in e["args"]:
+                chunks.setdefault(e["args"]["chunk"], {})[e["name"]] = e
+            elif "loop" in e["args"]:
+                blocks.append(e)
+            else:
+                serial[e["name"]] = e
+        if not chunks or any("integrate" not in c or "narrow_phase" not in c for c in chunks.values()):
+            continue  # the last check of a run, or a step cut off by the end of the trace
+        chains.append([{k: v["dur"] * 1e-6 for k, v in chunks[c].items()} for c in sorted(chunks)])
+        check = serial.get("displacement_check")
+        if check:
+            checks.append(check["dur"] * 1e-6)
+            if last_end is not None:
+                joins.append((check["ts"] - last_end) * 1e-6)
+            if "rebuild" not in serial:
+                first.append((min(c["narrow_phase"]["ts"] for c in chunks.values()) - check["ts"] - check["dur"]) * 1e-6)
+        for c in chunks.values():
+            chain = [c[k] for k in CHAIN if k in c]
+            hops += [(b["ts"] - a["ts"] - a["dur"]) * 1e-6 for a, b in zip(chain, chain[1:])]
+        last_end = max(c["integrate"]["ts"] + c["integrate"]["dur"] for c in chunks.values())
+        span = lambda e: (e["ts"], e["ts"] + e["dur"])
+        if "rebuild" in serial:
+            b, e = span(serial["rebuild"])
+            new = segments([x for x in blocks if x["name"] == "rebuild"], b, e)
+            if rebuild is None or length(new) < length(rebuild):
+                rebuild = new
+        if "sort_epoch" in serial:
+            b, e = span(serial["sort_epoch"])
+            inner = [span(serial["rebuild"])] if "rebuild" in serial else []
+            new = segments([x for x in blocks if x["name"] == "sort_epoch"], b, e, inner)
+            if epoch is None or length(new) < length(epoch):
+                epoch = new
+    if not chains:
+        raise TraceError(f"{path}: no complete step")
+    count = median([len(c) for c in chains])
+    chains = [c for c in chains if len(c) == count]
+    clip(chains)
+    kinds = [k for k in CHAIN if k in chains[0][0]]
+    return Recording(facts, chains, median(checks), median(first), median(joins), median(hops), rebuild, epoch, kinds=kinds)
+
+
+def length(parts):
+    return sum(sum(v) if kind == "loop" else v for kind, v in parts)
+
+
+def clip(chains):
+    """A node that lasts more than 1.5 x its chunk's median was interrupted by something else: it takes the median."""
+    for k in range(len(chains[0])):
+        for kind in chains[0][k]:
+            middle = median([step[k][kind] for step in chains])
+            for step in chains:
+                if step[k][kind] > 1.5 * middle:
+                    step[k][kind] = middle
+
+
+class Machine:
+    """`cores` workers with queues; worker 0 runs the serial parts."""
+
+    def __init__(self, cores, costs, seed=1):
+        self.cores, self.costs = cores, costs
+        self.random = random.Random(seed)
+        self.idle_since = [0.0] * cores
+        self.now = 0.0
+        self.busy = 0.0
+
+    def serial(self, seconds):
+        self.now += seconds
+        self.idle_since[0] = self.now
+        self.busy += seconds
+
+    def fork_join(self, durations, tree):
+        """Runs tasks of the given durations from worker 0; tree: ranges are halved and handed on, otherwise worker 0 queues every
+        task itself. Sets now to the end of the last one."""
+        c, p = self.costs, self.cores
+        if p == 1:
+            self.now += sum(durations) + c.spawn * len(durations)
+            self.busy += sum(durations)
+            self.idle_since[0] = self.now
+            return
+        queues = [[] for _ in range(p)]  # (available at, first, last) ranges of tasks
+        heads = [0] * p
+        locks = [0.0] * p
+        left = len(durations)
+        end = self.now
+        events = []
+        for w in range(1, p):
+            asleep = self.now - self.idle_since[w] > c.asleep_after
+            events.append((self.now + (c.wake * self.random.uniform(0.5, 1.5) if asleep else c.attempt * self.random.random()), w))
+        heapq.heapify(events)
+
+        def execute(w, t, first, last):
+            """Runs a range on worker w from t on; returns when it looks for work again."""
+            nonlocal left, end
+            if tree:
+                while last - first > 1:
+                    middle = (first + last) // 2
+                    t += c.spawn
+                    queues[w].append((t, middle, last))
+                    last = middle
+            else:
+                for k in range(first, last - 1):
+                    t += c.spawn
+                    queues[w].append((t, k, k + 1))
+                first = last - 1
+            t += durations[first]
+            self.busy += durations[first]
+            left -= 1
+            end = max(end, t)
+            self.idle_since[w] = t
+            return t
+
+        heapq.heappush(events, (execute(0, self.now, 0, len(durations)), 0))
+        while left > 0:
+            t, w = heapq.heappop(events)
+            if len(queues[w]) > heads[w]:
+                start = max(t, locks[w])
+                _, first, last = queues[w].pop()
+                heapq.heappush(events, (execute(w, start, first, last), w))
+                continue
+            v = self.random.randrange(p - 1)
+            v += v >= w
+            if len(queues[v]) > heads[v] and queues[v][heads[v]][0] <= t:
+                _, first, last = queues[v][heads[v]]
+                heads[v] += 1
+                start = max(t, locks[v]) + c.steal
+                locks[v] = start
+                heapq.heappush(events, (execute(w, start, first, last), w))
+            else:
+                heapq.heappush(events, (t + c.attempt, w))
+        self.now = end
+        self.idle_since[0] = max(self.idle_since[0], end)
+
+
+def resampled(values, count, rng):
+    return values if count == len(values) else [values[rng.randrange(len(values))] for _ in range(count)]
+
+
+def scaled(parts, factor, chunks, recorded_chunks, particles, cores, rng):
+    """Segments of a rebuild for another number of particles: serial parts grow with it, loops over chunks get more blocks. A loop
+    that one thread runs as one block is cut by threads in the engine (blocks of at least 8192 grains)."""
+    out = []
+    for kind, value in parts:
+        if kind == "serial":
+            out.append((kind, value * factor))
+        elif len(value) == recorded_chunks:
+            out.append((kind, resampled(value, chunks, rng)))
+        elif len(value) == 1:
+            blocks = max(1, min(cores, int(particles // 8192) + 1))
+            out.append((kind, [value[0] * factor / blocks] * blocks))
+        else:
+            blocks = max(1, round(len(value) * factor))
+            total = sum(value) * factor / blocks
+            mean = sum(value) / len(value)
+            out.append((kind, [v * total / mean for v in resampled(value, blocks, rng)]))
+    return out
+
+
+def simulate(rec, particles, cores, costs, memory, tree, rebuild_every, samples=6, seed=1):
+    """Seconds per step and their parts for one system on one machine."""
+    rng = random.Random(seed)
+    chunk = rec.facts["chunk"]
+    chunks = max(1, -(-particles // chunk))
+    factor = particles / rec.facts["particles"]
+    per_particle = memory.seconds_per_particle(cores, particles)
+    machine = Machine(cores, costs, seed)
+    all_chains = [[sum(c.values()) for c in step] for step in rec.chains]
+    steps, limited = [], 0
+    hops = (len(rec.kinds) - 1) * costs.hop
+    longest = 0.0
+    for s in range(samples):
+        pool = all_chains[s * len(all_chains) // samples]
+        durations = resampled(pool, chunks, rng)
+        least = per_particle * particles / chunks
+        limited += sum(d < least for d in durations)
+        durations = [max(d, least) + hops for d in durations]
+        longest = max(longest, max(durations))
+        begin = machine.now
+        machine.serial(rec.check * max(1.0, chunks / rec.chunks))
+        machine.fork_join(durations, tree)
+        machine.serial(costs.join)
+        steps.append(machine.now - begin)
+    step = sum(steps) / len(steps)
+    result = {"step": step, "busy_step": machine.busy / samples, "longest_chain": longest,
+              "bandwidth_limited": limited / (samples * chunks), "chunks": chunks}
+    sort_every = rec.facts["sort_every"]
+    rates = {"rebuild": 1 / rebuild_every + 1 / sort_every, "sort_epoch": 1 / sort_every}
+    total = step
+    critical = rec.check * max(1.0, chunks / rec.chunks) + costs.spawn + longest + costs.join
+    for name, rate in rates.items():
+        parts = getattr(rec, name)
+        if parts is None:
+            continue
+        parts = scaled(parts, factor, chunks, rec.chunks, particles, cores, rng)
+        machine = Machine(cores, costs, seed)
+        path = 0.0
+        for kind, value in parts:
+            if kind == "serial":
+                machine.serial(value)
+                path += value
+            else:
+                machine.fork_join(value, True)
+                path += max(value)
+        result[name] = machine.now
+        result[name + "_work"] = length(parts)
+        result[name + "_per_step"] = machine.now * rate
+        total += machine.now * rate
+        critical += path * rate
+    result["total"] = total
+    result["critical_path"] = critical
+    return result
