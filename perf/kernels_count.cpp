@@ -1,0 +1,80 @@
+// Kernels of a number type that counts its arithmetic: the flops, divisions and roots of the microbenchmarks come from
+// the kernels' own source. Who calls it: count_once() in kernels_measure.hpp. Invariant: results are those of the
+// scalar kernels, so a counted call leaves the state as a timed one does.
+#include "kernels/table.hpp"
+#include "perf/kernels_measure.hpp"
+
+namespace talus::perf {
+
+namespace {
+
+Operations g_done;
+
+/// One lane that counts; converts from the scalar lane, so that everything not named below is the scalar code.
+struct Counted : simd::One {
+  Counted() = default;
+  Counted(simd::One a) : One(a) {}
+  explicit Counted(double a) : One{a} {}
+};
+Counted counted(double result) {
+  ++g_done.flops;
+  return Counted(result);
+}
+Counted operator+(Counted a, Counted b) { return counted(a.v + b.v); }
+Counted operator-(Counted a, Counted b) { return counted(a.v - b.v); }
+Counted operator*(Counted a, Counted b) { return counted(a.v * b.v); }
+Counted operator/(Counted a, Counted b) {
+  ++g_done.divisions;
+  return counted(a.v / b.v);
+}
+
+struct Counting : simd::Scalar {
+  using B = Counted;
+  static constexpr const char* name = "counting";
+  static B set(double a) { return B(a); }
+  static B load(const double* p) { return B(*p); }
+  static B sqrt(B a) {
+    ++g_done.roots;
+    return counted(__builtin_sqrt(a.v));
+  }
+  static B abs(B a) { return B(__builtin_fabs(a.v)); }
+  static B select(bool m, B a, B b) { return m ? a : b; }
+  template <class... A>
+  static void pair_rows4(A... a) {
+    g_done.flops += 4;
+    Scalar::pair_rows4(a...);
+  }
+  template <class... A>
+  static void pair_rows8(A... a) {
+    g_done.flops += 8;
+    Scalar::pair_rows8(a...);
+  }
+  static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) {
+    g_done.flops += both[0] ? 16 : 8;
+    Scalar::scatter8(f, a, b, r, both);
+  }
+  static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) {
+    g_done.flops += both[0] ? 8 : 4;
+    Scalar::scatter4(f, a, b, r, both);
+  }
+  static R4 add4(const R4& a, const R4& b) { return g_done.flops += 4, Scalar::add4(a, b); }
+  static R4 sub4(const R4& a, const R4& b) { return g_done.flops += 4, Scalar::sub4(a, b); }
+  static R4 mul4(const R4& a, const R4& b) { return g_done.flops += 4, Scalar::mul4(a, b); }
+  static R8 add8(const R8& a, const R8& b) { return g_done.flops += 8, Scalar::add8(a, b); }
+  static R8 mul8(const R8& a, const R8& b) { return g_done.flops += 8, Scalar::mul8(a, b); }
+  static double norm3(const R4& a) { return g_done.flops += 5, Scalar::norm3(a); }
+  template <class... A>
+  static unsigned reach(A... a) {
+    g_done.flops += 10;
+    return Scalar::reach(a...);
+  }
+};
+
+constinit const KernelTable k_counting = kernels::make_table<Counting>();
+
+}  // namespace
+
+const KernelTable& counting_kernels() { return k_counting; }
+Operations& operations() { return g_done; }
+
+}  // namespace talus::perf
