@@ -63,15 +63,15 @@ inline std::string vector_text(Vec3 a) { return fmt::format("[{}, {}, {}]", a.x,
 /// The marks' scene (perf/scenes/settle32.toml) in an open box with other grains and, where asked for, a wall.
 inline std::unique_ptr<Simulation> simulate(StateFile& state, Vec3 size, Vec3 gravity, const std::string& wall,
                                             std::int64_t steps) {
-  const std::string text = "gravity = " + vector_text(gravity) +
-                           "\n[domain]\nlower = [0, 0, 0]\nupper = " + vector_text(size) + "\nboundary = \"open\"\n" +
-                           "[time]\nstep = 1e-4\nsteps = 1000\n"
-                           "[[material]]\nname = \"grain\"\ndensity = 1.909859317102744\n"
-                           "[contact]\nnormal_stiffness = 2e5\ntangential_stiffness = 57142.857142857145\n"
-                           "normal_damping = 50\ntangential_damping = 25\nfriction = 0.5\n" +
-                           wall + "[[source]]\nkind = \"file\"\nfile = \"" + state.write() +
-                           "\"\n[[group]]\nname = \"base\"\nfixed_in_file = true\n"
-                           "[checks]\nallow_initial_overlap = true\n";
+  const std::string text = fmt::format(
+      "gravity = {}\n[domain]\nlower = [0, 0, 0]\nupper = {}\nboundary = \"open\"\n"
+      "[time]\nstep = 1e-4\nsteps = 1000\n"
+      "[[material]]\nname = \"grain\"\ndensity = 1.909859317102744\n"
+      "[contact]\nnormal_stiffness = 2e5\ntangential_stiffness = 57142.857142857145\n"
+      "normal_damping = 50\ntangential_damping = 25\nfriction = 0.5\n{}"
+      "[[source]]\nkind = \"file\"\nfile = \"{}\"\n[[group]]\nname = \"base\"\nfixed_in_file = true\n"
+      "[checks]\nallow_initial_overlap = true\n",
+      vector_text(gravity), vector_text(size), wall, state.write());
   RunOptions options;
   options.threads = 1;
   auto sim = std::make_unique<Simulation>(parse_scene(text, "perf", k_source), options);

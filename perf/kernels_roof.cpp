@@ -1,6 +1,7 @@
 // The roofs: STREAM (copy, scale, add, triad; one and two threads) at sizes from L1 to memory, and the peaks of
 // arithmetic without fused multiply-add, of division and of the square root, per vector width. Who calls it:
 // perf/kernels.cpp. Bytes are counted as STREAM does: what the loop names, not the line that a store fetches first.
+#include <fmt/format.h>
 #include <immintrin.h>
 #include <sched.h>
 
@@ -121,6 +122,8 @@ void run_stream_pair(benchmark::State& state, const StreamCase& s, long kib, con
 enum class Peak { arithmetic, division, root };
 constexpr int k_chains = 12;
 
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"  // GCC 12 warns about its own square root
 #define TALUS_PEAK(name, isa, V, set, plus, times, over, root)          \
   template <Peak kind>                                                  \
   __attribute__((target(isa), noinline)) void name(long rounds) {       \
@@ -142,6 +145,7 @@ TALUS_PEAK(peak_sse2, "sse2", __m128d, _mm_set1_pd, _mm_add_pd, _mm_mul_pd, _mm_
 TALUS_PEAK(peak_avx2, "avx2", __m256d, _mm256_set1_pd, _mm256_add_pd, _mm256_mul_pd, _mm256_div_pd, _mm256_sqrt_pd)
 TALUS_PEAK(peak_avx512, "avx512f", __m512d, _mm512_set1_pd, _mm512_add_pd, _mm512_mul_pd, _mm512_div_pd, _mm512_sqrt_pd)
 #undef TALUS_PEAK
+#pragma GCC diagnostic pop
 
 template <Peak kind>
 void run_peak(benchmark::State& state, const KernelTable& t) {
@@ -159,12 +163,10 @@ void register_roofs(const cpu_set_t& given) {
   const int threads = CPU_COUNT(&given);
   for (const long kib : k_sizes)
     for (const StreamCase& s : k_streams) {
-      const std::string size = "/" + std::to_string(kib) + "KiB";
-      benchmark::RegisterBenchmark((std::string(s.name) + "/1t" + size).c_str(),
-                                   [&s, kib](benchmark::State& state) { run_stream(state, s, kib); });
+      const auto name = [&s, kib](int count) { return fmt::format("{}/{}t/{}KiB", s.name, count, kib); };
+      benchmark::RegisterBenchmark(name(1).c_str(), [&s, kib](benchmark::State& state) { run_stream(state, s, kib); });
       if (threads > 1)
-        benchmark::RegisterBenchmark((std::string(s.name) + "/2t" + size).c_str(), [&s, kib,
-                                                                                    given](benchmark::State& state) {
+        benchmark::RegisterBenchmark(name(2).c_str(), [&s, kib, given](benchmark::State& state) {
           run_stream_pair(state, s, kib, given);
         })->UseRealTime();
     }
