@@ -142,9 +142,9 @@ inline std::unique_ptr<Simulation> make_wall_world(const WallCase& c) {
   std::string wall = "[[wall]]\nname = \"wall\"\n";
   if (c.text != nullptr)
     wall += c.text;
-  else  // the hopper's silo, 288 facets, scaled to the box
+  else  // the 20k hopper's silo: 288 facets, in proportion to the grains
     wall += "shape = \"mesh\"\nfile = \"" + k_source +
-            "/cases/hopper/meshes/cone-silo.stl\"\nscale = 8\nshift = [16, 16, 8]\n";
+            "/cases/hopper/meshes/cone-silo.stl\"\nscale = 90\nshift = [16, 16, 1]\n";
   StateFile probe;
   probe.add({1, 1, 31}, k_wall_radius);
   const auto bare = simulate(probe, size, {}, wall, 0);
