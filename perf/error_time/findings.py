@@ -1,0 +1,76 @@
+"""What the measured rows say: orders, claims that have to hold, the Pareto front, the cheapest settings.
+
+Who calls it: error_time.py and page.py. Pure functions of rows (one dict per setting, error_time.FIELDS).
+"""
+import math
+
+import numpy as np
+
+from .scene import DEFAULT
+
+TOLERANCES = (1e-2, 1e-3, 1e-4)
+
+
+def order(rows):
+    """Slope of ln error over ln dt, or None: over the points that are resolved (error above three half widths)."""
+    use = [r for r in rows if r["error"] and r["error"] > 3 * r["error_half_width"] and r["error"] < 0.3]
+    if len({r["dt"] for r in use}) < 2:
+        return None
+    return float(np.polyfit(np.log([r["dt"] for r in use]), np.log([r["error"] for r in use]), 1)[0])
+
+
+def claims(scene, settings, rows):
+    """What has to hold; returns the sentences that do not, and what was found to hold."""
+    wrong, held = [], []
+    by_label = {r["label"]: r for r in rows}
+    same = [(s, by_label[s.label], by_label[s.same_bits_as]) for s in settings if s.same_bits_as]
+    for s, row, base in same:
+        if row["stopped"] or row["state_hash"] != base["state_hash"] or row["error"] != base["error"]:
+            wrong.append(f"{scene.name}, {s.label}: not the bits of {base['label']} ({row['state_hash']}, {base['state_hash']})")
+    if same and not wrong:
+        held.append(f"{len(same)} runs with other list policies, K and instruction sets: state hash {same[0][2]['state_hash']} "
+                    "and error equal to the last bit")
+    audited = [r for r in rows if r["missed_contacts"] is not None and r["family"] != "inexact list"]
+    missed = sum(r["missed_contacts"] for r in audited)
+    if missed:
+        wrong.append(f"{scene.name}: {missed} missed contacts")
+    held.append(f"{missed} missed contacts in {sum(r['audited_steps'] for r in audited)} steps of {len(audited)} Talus runs "
+                "compared with brute force")
+    if scene.kind == "exact":
+        default = sorted((r for r in rows if r["family"] == DEFAULT), key=lambda r: -r["dt"])
+        slope = order(default)
+        if default[-1]["error"] > 1e-2 or slope is None or slope < 0.7:
+            wrong.append(f"{scene.name}: no convergence to the closed form: error {default[-1]['error']:.2e} at the finest step, "
+                         f"order {slope}")
+        else:
+            held.append(f"converges to the closed form: order {slope:.2f}, error {default[-1]['error']:.1e} at the finest step")
+    return wrong, held
+
+
+def pareto(rows):
+    """Rows that no other row beats in both run time and error."""
+    front, best = [], math.inf
+    for r in sorted((r for r in rows if r["error"] is not None), key=lambda r: (r["wall_s"], r["error"])):
+        if r["error"] < best:
+            front.append(r)
+            best = r["error"]
+    return front
+
+
+def advice(rows):
+    """[(tolerance, cheapest row of all or None, cheapest Talus row or None)]; an error counts with its half width."""
+    out = []
+    for tolerance in TOLERANCES:
+        good = [r for r in rows if r["error"] is not None and r["error"] + r["error_half_width"] <= tolerance]
+        ours = [r for r in good if r["code"] == "talus"]
+        out.append((tolerance, min(good, key=lambda r: r["wall_s"], default=None),
+                    min(ours, key=lambda r: r["wall_s"], default=None)))
+    return out
+
+
+def describe(row):
+    if row is None:
+        return "none of these settings"
+    half = f" +/- {100 * row['error_half_width']:.2g}" if row["error_half_width"] else ""
+    return (f"{row['code']}, {row['label'] if row['code'] == 'talus' else 'dt ' + format(row['steps_per_contact'], 'g')} "
+            f"({row['wall_s']:.3g} s, error {100 * row['error']:.2g}{half} %)")
