@@ -122,7 +122,10 @@ void run_gather(benchmark::State& state, const KernelTable& t, bool large) {
   BlockBuffers buffers;
   const double bytes = 8 + (k_row4 + k_row8) * b.particles / b.contacts;
   measure(state, t, {std::string("gather") + size_name(large), b.contacts, bytes}, [&](const KernelTable& k) {
-    touching.blocks([&](const Chunk& c, std::int64_t k0) { k.gather[1](gather_args(b.w, c, k0, buffers)); });
+    touching.blocks([&](const Chunk& c, std::int64_t k0) {
+      GatherArgs args = gather_args(b.w, c, k0, buffers);
+      k.gather[1](args);
+    });
   });
 }
 
@@ -160,7 +163,8 @@ void run_law(benchmark::State& state, const KernelTable& t, const LawCase& law) 
   const LawInfo& info = law_info(law.model);
   BlockBuffers run, kept;
   const Chunk& c = *b.w.chunks[0];
-  select_kernels(Isa::automatic).gather[1](gather_args(b.w, c, 0, kept));
+  GatherArgs gather = gather_args(b.w, c, 0, kept);
+  select_kernels(Isa::automatic).gather[1](gather);
   if (!law.friction)
     std::memcpy(kept.r[3], kept.r[7], sizeof kept.r[7]);  // without rotation 1/m_i + 1/m_j is in lane 3
   std::memcpy(run.x, kept.x, sizeof run.x);

@@ -28,8 +28,15 @@ Counted operator/(Counted a, Counted b) {
   return counted(a.v / b.v);
 }
 
-struct Counting : simd::Scalar {
+bool on_both(const bool* both) { return both[0]; }
+bool on_both(unsigned both) { return (both & 1U) != 0; }
+
+/// The scalar kernels' primitives, counted. Signatures are left open where only the number of operations matters.
+template <class Base>
+struct CountingOver : Base {
   using B = Counted;
+  using R4 = typename Base::R4;
+  using R8 = typename Base::R8;
   static constexpr const char* name = "counting";
   static B set(double a) { return B(a); }
   static B load(const double* p) { return B(*p); }
@@ -42,33 +49,36 @@ struct Counting : simd::Scalar {
   template <class... A>
   static void pair_rows4(A... a) {
     g_done.flops += 4;
-    Scalar::pair_rows4(a...);
+    Base::pair_rows4(a...);
   }
   template <class... A>
   static void pair_rows8(A... a) {
     g_done.flops += 8;
-    Scalar::pair_rows8(a...);
+    Base::pair_rows8(a...);
   }
-  static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) {
-    g_done.flops += both[0] ? 16 : 8;
-    Scalar::scatter8(f, a, b, r, both);
+  template <class Both>
+  static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, Both both) {
+    g_done.flops += on_both(both) ? 16 : 8;
+    Base::scatter8(f, a, b, r, both);
   }
-  static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, const bool* both) {
-    g_done.flops += both[0] ? 8 : 4;
-    Scalar::scatter4(f, a, b, r, both);
+  template <class Both>
+  static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, Both both) {
+    g_done.flops += on_both(both) ? 8 : 4;
+    Base::scatter4(f, a, b, r, both);
   }
-  static R4 add4(const R4& a, const R4& b) { return g_done.flops += 4, Scalar::add4(a, b); }
-  static R4 sub4(const R4& a, const R4& b) { return g_done.flops += 4, Scalar::sub4(a, b); }
-  static R4 mul4(const R4& a, const R4& b) { return g_done.flops += 4, Scalar::mul4(a, b); }
-  static R8 add8(const R8& a, const R8& b) { return g_done.flops += 8, Scalar::add8(a, b); }
-  static R8 mul8(const R8& a, const R8& b) { return g_done.flops += 8, Scalar::mul8(a, b); }
-  static double norm3(const R4& a) { return g_done.flops += 5, Scalar::norm3(a); }
+  static R4 add4(const R4& a, const R4& b) { return g_done.flops += 4, Base::add4(a, b); }
+  static R4 sub4(const R4& a, const R4& b) { return g_done.flops += 4, Base::sub4(a, b); }
+  static R4 mul4(const R4& a, const R4& b) { return g_done.flops += 4, Base::mul4(a, b); }
+  static R8 add8(const R8& a, const R8& b) { return g_done.flops += 8, Base::add8(a, b); }
+  static R8 mul8(const R8& a, const R8& b) { return g_done.flops += 8, Base::mul8(a, b); }
+  static double norm3(const R4& a) { return g_done.flops += 5, Base::norm3(a); }
   template <class... A>
   static unsigned reach(A... a) {
     g_done.flops += 10;
-    return Scalar::reach(a...);
+    return Base::reach(a...);
   }
 };
+using Counting = CountingOver<simd::Scalar>;
 
 constinit const KernelTable k_counting = kernels::make_table<Counting>();
 
