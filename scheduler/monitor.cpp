@@ -69,6 +69,18 @@ void judge_energy(World& w) {
 
 }  // namespace
 
+void warn_of_extent(World& w) {
+  const double widest = fmax2(w.size.x, fmax2(w.size.y, w.size.z));
+  if (!(w.r_min > 0) || !(widest > 1e6 * w.r_min)) return;
+  // an overlap of 1e-3 R is then known to 2^-53 * 1e6 / 1e-3 = 1.1e-7 of itself at best
+  w.monitor.warnings.push_back({"extent",
+                                fmt::format("the domain is {:.3g} times as wide as the smallest radius; coordinates "
+                                            "resolve an overlap of a thousandth of it to {:.2g} only; a smaller domain "
+                                            "helps",
+                                            widest / w.r_min, 1.1e-16 * widest / (1e-3 * w.r_min)),
+                                w.step, 1, widest / w.r_min, 1e6});
+}
+
 void observe_chunk(World& w, Chunk& c) {
   const Scratch& s = *c.scratch;
   const MonitorSettings& m = w.scene.monitor;

@@ -39,6 +39,8 @@ struct MonitorState {
   double energy_scale = 0;  ///< largest energy turned over so far [J]
 };
 
+/// Warns at construction of a domain so wide that coordinates resolve overlaps badly.
+void warn_of_extent(World& w);
 /// Fills c.extremes from the step that has just been integrated; p, v2, scratch and wall contacts of the chunk.
 void observe_chunk(World& w, Chunk& c);
 /// Warnings and stops of the last step. Error{physics}.

@@ -1,0 +1,230 @@
+// Scenarios 18 to 23: gases, long runs, far from the origin, moving frames, precision.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "tests/stability/stability_support.hpp"
+
+namespace talus::stability {
+namespace {
+
+/// Frictionless gas of unit-mass spheres of diameter 1 at solid fraction phi in a periodic cube; speeds about `speed`.
+Scene gas(int per_axis, double phi, double restitution, double speed, double dt_per_contact) {
+  const double pitch = std::cbrt(k_pi / 6 / phi), side = per_axis * pitch;
+  Scene s = open_scene({0, 0, 0}, {side, side, side}, dt_per_contact);
+  for (auto& axis : s.domain.boundary) axis = {Boundary::periodic, Boundary::periodic};
+  s.materials[0].density = 6 / k_pi;
+  linear_restitution(s, 0.5 * k_pi * k_pi, restitution);  // contact time 1 for m_eff = 1/2
+  std::vector<Grain> grains;
+  for (int k = 0; k < per_axis * per_axis * per_axis; ++k) {
+    const auto q = [k](int c) { return uniform(17, static_cast<std::uint64_t>(8 * k + c)) - 0.5; };
+    const double play = 0.9 * (pitch - 1);
+    const Vec3 x{pitch * (k % per_axis + 0.5) + play * q(0), pitch * (k / per_axis % per_axis + 0.5) + play * q(1),
+                 pitch * (k / per_axis / per_axis + 0.5) + play * q(2)};
+    grains.push_back({x, {speed * 2 * q(3), speed * 2 * q(4), speed * 2 * q(5)}, 0.5});
+  }
+  add_grains(s, grains);
+  return s;
+}
+
+TEST(Stability, S18_ElasticGasKeepsItsEnergyAndBecomesMaxwellian) {
+  // Contacts last 1 s = 500 steps: the energy error within a contact falls with the square of that. The mean free time
+  // at phi 0.25 and this speed is about 17 s.
+  const int n = full() ? 10 : 7, blocks = full() ? 400 : 40;
+  Scene s = gas(n, 0.25, 1, 0.02, 0.002);
+  s.output.energies = true;
+  Simulation sim(s, options());
+  sim.run(1);
+  const auto energy = [&] {
+    const Energies e = sim.energies();
+    return e.kinetic_translation + e.elastic;
+  };
+  const double start = energy();
+  double worst = 0, sum2 = 0;
+  std::vector<double> components;
+  for (int k = 0; k < blocks; ++k) {
+    sim.run(3000);
+    worst = std::max(worst, std::fabs(energy() / start - 1));
+    if (k >= blocks / 2 && k % 10 == 0)
+      for (const Vec3& v : sim.frame().v)
+        for (int q = 0; q < 3; ++q) components.push_back(v[q]);
+  }
+  for (const double v : components) sum2 += v * v;
+  const double sigma = std::sqrt(sum2 / static_cast<double>(components.size()));
+  // ten classes of equal probability of the normal law; 9 degrees of freedom less one for sigma
+  const std::array<double, 9> edges = {-1.2816, -0.8416, -0.5244, -0.2533, 0, 0.2533, 0.5244, 0.8416, 1.2816};
+  std::array<double, 10> count{};
+  for (const double v : components)
+    ++count[static_cast<std::size_t>(std::upper_bound(edges.begin(), edges.end(), v / sigma) - edges.begin())];
+  double chi2 = 0;
+  const double expected = static_cast<double>(components.size()) / 10;
+  for (const double c : count) chi2 += (c - expected) * (c - expected) / expected;
+  EXPECT_LT(worst, 1e-6);
+  EXPECT_LT(chi2, 26.1);  // 0.1 % of Maxwellian samples are beyond, 8 degrees of freedom
+  const Vec3 p = [&] {
+    Vec3 total;
+    for (const Vec3& v : sim.frame().v) total = total + v;
+    return total;
+  }();
+  row("e = 1: |dE|/E < 1e-6; velocities Maxwellian (chi^2, 8 degrees of freedom, < 26.1)",
+      "|dE|/E " + sci(worst) + ", chi^2 " + sci(chi2) + ", |p| " + sci(norm(p)));
+}
+
+TEST(Stability, S19_CoolingGasFollowsHaffsLaw) {
+  const int n = full() ? 14 : 9;
+  // elastic until Maxwellian would cost as much again: the start is left out of the fit instead
+  Scene s = gas(n, 0.1, 0.9, 0.1, 0.02);
+  Simulation sim(s, options());
+  std::vector<double> time, temperature;
+  for (int k = 0; k <= 40; ++k) {
+    Vec3 mean;
+    const Frame f = sim.frame();
+    for (const Vec3& v : f.v) mean = mean + (1.0 / static_cast<double>(f.v.size())) * v;
+    double t = 0;
+    for (const Vec3& v : f.v) t += norm2(v - mean) / static_cast<double>(3 * f.v.size());
+    time.push_back(sim.time());
+    temperature.push_back(t);
+    sim.run(2500);
+  }
+  // T = T0 / (1 + t/tau)^2: 1/sqrt(T) is a straight line, which gives tau; then the slope is fitted
+  const std::size_t from = 6;
+  double st = 0, sy = 0, stt = 0, sty = 0, count = 0;
+  for (std::size_t k = from; k < time.size(); ++k) {
+    const double y = 1 / std::sqrt(temperature[k]);
+    st += time[k];
+    sy += y;
+    stt += time[k] * time[k];
+    sty += time[k] * y;
+    ++count;
+  }
+  const double slope = (count * sty - st * sy) / (count * stt - st * st), zero = (sy - slope * st) / count;
+  std::vector<double> x, y;
+  for (std::size_t k = from; k < time.size(); ++k) {
+    x.push_back(1 + time[k] * slope / zero);
+    y.push_back(temperature[k]);
+  }
+  const double exponent = log_slope(x, y);
+  EXPECT_NEAR(exponent, -2, 0.05);
+  EXPECT_GT(temperature[0] / temperature.back(), 5);
+  row("e = 0.9: T falls as (1 + t/tau)^-2, exponent within 0.05, before clustering; no collapse",
+      "exponent " + fmt_ratio(exponent) + " while T falls by a factor " + sci(temperature[0] / temperature.back()));
+}
+
+TEST(Stability, S20_OscillatorHasNoSecularDriftAndTimeIsNTimesDt) {
+  const std::int64_t steps = full() ? 10000000 : 600000;
+  const double r = 0.01, kn = 1e5, dt = 2.3e-5;
+  Scene s = open_scene({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}, dt);
+  linear_law(s, kn, 0);
+  s.walls = {plane("floor", {0, 0, -0.7 * r}, {0, 0, 1}), plane("lid", {0, 0, 0.7 * r}, {0, 0, -1})};
+  s.allow_initial_overlap = true;
+  s.output.energies = true;
+  add_grains(s, {{{0, 0, 0.02 * r}, {}, r}});
+  Simulation sim(s, options());
+  sim.run(1);
+  const double start = total_energy(sim.energies());
+  // bounds over the first and the last tenth: an oscillating error is allowed, a drifting one is not
+  const auto range = [&] {
+    double low = 1e300, high = -1e300;
+    for (int k = 0; k < 1000; ++k) {
+      sim.run(1);
+      const double e = total_energy(sim.energies());
+      low = std::min(low, e);
+      high = std::max(high, e);
+    }
+    return std::pair(low, high);
+  };
+  const auto first = range();
+  sim.run(steps - 2000);
+  const auto last = range();
+  const double drift = std::max(std::fabs(last.first - first.first), std::fabs(last.second - first.second)) / start;
+  EXPECT_LT(drift, 1e-9);
+  EXPECT_EQ(sim.time(), static_cast<double>(sim.step()) * dt);
+  row("energy bounded without drift over " + std::to_string(steps) + " steps; time = n dt to the bit",
+      "drift of the bounds " + sci(drift) + " E0, clock error " +
+          sci(sim.time() - static_cast<double>(sim.step()) * dt));
+}
+
+/// Frictional grains tumbling in a box with walls at `offset`.
+Scene tumble(Vec3 offset, double dt = 1e-5) {
+  Scene s = open_scene(offset, offset + Vec3{0.0625, 0.0625, 0.0625}, dt);
+  for (auto& axis : s.domain.boundary) axis = {Boundary::wall, Boundary::wall};
+  linear_restitution(s, 1e4, 0.8, 2857, 0.4);
+  s.gravity = {0, 0, -9.81};
+  std::vector<Grain> grains;
+  for (int k = 0; k < 64; ++k) {
+    // coordinates on a grid of 2^-20 m, so that the shift rounds nothing away
+    const auto q = [k](int c) {
+      return std::floor(uniform(23, static_cast<std::uint64_t>(8 * k + c)) * 4096) / 1048576;
+    };
+    const Vec3 x{0.0078125 + 0.015625 * (k % 4) + 0.5 * q(0), 0.0078125 + 0.015625 * (k / 4 % 4) + 0.5 * q(1),
+                 0.0078125 + 0.015625 * (k / 16) + 0.5 * q(2)};
+    grains.push_back({x + offset, {200 * q(3), -300 * q(4), 100 * q(5)}, 0.00390625});
+  }
+  add_grains(s, grains);
+  return s;
+}
+
+TEST(Stability, S21_ShiftFarFromTheOriginKeepsEveryBit) {
+  const double r = 0.00390625;
+  std::vector<std::uint64_t> hashes;
+  for (const double far : {0.0, 1e6, 1e8}) {
+    Simulation sim(tumble({far * r, -far * r, 2 * far * r}), options());
+    sim.run(3000);
+    hashes.push_back(sim.state_hash());
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+  EXPECT_EQ(hashes[0], hashes[2]);
+  // a domain wider than 1e6 R itself cannot resolve overlaps as well, and says so
+  Scene wide = tumble({0, 0, 0});
+  wide.domain.upper.x = 2e6 * r;
+  const Simulation sim(wide, options());
+  EXPECT_TRUE(!sim.warnings().empty() && sim.warnings()[0].kind == "extent");
+  row("scene shifted by 1e6 R and 1e8 R (representable): same hash; domains wider than 1e6 R warn", "1 hash");
+}
+
+TEST(Stability, S22_GalileanBoostLeavesRelativeMotion) {
+  const auto end = [](double boost, Counters& counters) {
+    Scene s = open_scene({0, 0, 0}, {0.0625, 0.0625, 0.0625}, 2e-7);
+    for (auto& axis : s.domain.boundary) axis = {Boundary::periodic, Boundary::periodic};
+    linear_restitution(s, 1e6, 0.9);
+    Scene grains = tumble({0, 0, 0});
+    s.sources = grains.sources;
+    s.events.push_back({});
+    s.contact.friction = false;
+    s.events.clear();
+    std::vector<Grain> list;
+    const Frame f = Simulation(grains, options()).frame();
+    for (std::size_t k = 0; k < f.x.size(); ++k) list.push_back({f.x[k], f.v[k] + Vec3{boost, 0, 0}, f.r[k]});
+    s.sources.clear();
+    add_grains(s, list);
+    Simulation sim(s, options());
+    sim.run(40000);
+    counters = sim.counters();
+    Frame g = sim.frame();
+    const double back = boost * sim.time();
+    for (Vec3& x : g.x) x.x -= back;
+    return g;
+  };
+  Counters still{}, moving{};
+  const Frame a = end(0, still), b = end(1000, moving);
+  double worst = 0;
+  for (std::size_t k = 0; k < a.x.size(); ++k) {
+    double d = std::fabs(a.x[k].x - b.x[k].x);
+    d = std::fabs(d - 0.0625 * std::round(d / 0.0625));
+    worst = std::max({worst, d, std::fabs(a.x[k].y - b.x[k].y), std::fabs(a.x[k].z - b.x[k].z)});
+  }
+  // positions after 8 m of travel carry 1e-17 x 40000 roundings
+  EXPECT_LT(worst / 0.0039, 1e-7);
+  const double more = static_cast<double>(moving.rebuilds_skin + 1) / static_cast<double>(still.rebuilds_skin + 1);
+  row("boost of 1e3 m/s: relative trajectories equal up to rounding",
+      "largest difference " + sci(worst / 0.0039) + " R, skin rebuilds x " + sci(more));
+  shortfall("skins follow the absolute speed (no list policy subtracts the local mean): " +
+            std::to_string(moving.rebuilds_skin) + " skin rebuilds instead of " + std::to_string(still.rebuilds_skin));
+}
+
+TEST(Stability, S23_FloatAgainstDouble) {
+  TALUS_PENDING("error and time of float, mixed and double; overlap resolution", "the engine computes in double only");
+}
+
+}  // namespace
+}  // namespace talus::stability
