@@ -96,10 +96,11 @@ void choose_chunk(World& w) {
     w.chunk_size = w.options.chunk;
     return;
   }
-  // Results do not depend on it (I8). One thread: 4096 rows. More: every thread gets the same whole number of equal chunks,
-  // at least 3 so that stealing can balance them, of at most 3072 rows (4096 on two threads), but none below 1024: there
-  // pairs across borders, computed twice, cost more than idle threads (perf/schedule.py: 125k particles on 28 threads,
-  // predicted efficiency 81 % with 1524 rows, 76 % with 762, 53 % with 4096, which leaves 4 of the 28 with two chunks).
+  // Results do not depend on it (I8). One thread: 4096 rows. More: every thread gets the same whole number of equal
+  // chunks, at least 3 so that stealing can balance them, of at most 3072 rows (4096 on two threads), but none below
+  // 1024: there pairs across borders, computed twice, cost more than idle threads (perf/schedule.py: 125k particles on
+  // 28 threads, predicted efficiency 81 % with 1524 rows, 76 % with 762, 53 % with 4096, which leaves 4 of the 28 with
+  // two chunks).
   const std::int64_t threads = w.threads, most = threads <= 2 ? 4096 : 3072;
   if (threads == 1) {
     w.chunk_size = 4096;
