@@ -54,19 +54,41 @@ def talus(args, scene, size, threads, extra):
 
 
 def record(args, size, chunk):
-    """Trace of some steps on one thread, with one sort epoch (and the rebuild in it) among them."""
+    """Trace of some steps on one thread, with one sort epoch (and the rebuild in it) among them; kept if it beats the last."""
     path = os.path.join(args.out, f"{args.scene}-{size}-{chunk}.trace.json")
-    if not (args.reuse and os.path.exists(path)):
-        epoch = args.warm + args.steps // 2
-        talus(args, args.scene, size, 1, ["--chunk", str(chunk), "--steps", str(args.warm + args.steps), "--set",
-                                          f"sort_every={epoch}", "--trace", path, "--trace-from", str(args.warm),
-                                          "--trace-steps", str(args.steps)])
+    epoch = args.warm + args.steps // 2
+    talus(args, args.scene, size, 1, ["--chunk", str(chunk), "--steps", str(args.warm + args.steps), "--set",
+                                      f"sort_every={epoch}", "--trace", path + ".part", "--trace-from", str(args.warm),
+                                      "--trace-steps", str(args.steps)])
+    if not os.path.exists(path) or read(args, path + ".part").work() < read(args, path).work():
+        os.replace(path + ".part", path)
+
+
+def read(args, path):
     try:
         rec = model.read_trace(path)
-    except (model.TraceError, KeyError, ValueError) as e:
+    except (OSError, model.TraceError, KeyError, ValueError) as e:
         raise SystemExit(f"schedule.py: {e}")
     rec.facts["sort_every"] = args.sort_every
+    for name in args.leave_out:
+        setattr(rec, name, None)
     return rec
+
+
+def recordings_of(args):
+    """size -> chunk -> recording. Rounds are interleaved; of each chunk size the least disturbed round stays."""
+    missing = []
+    for size in args.sizes:
+        for chunk in args.chunks:
+            path = os.path.join(args.out, f"{args.scene}-{size}-{chunk}.trace.json")
+            if not (args.reuse and os.path.exists(path)):
+                missing.append((size, chunk))
+                if os.path.exists(path):
+                    os.remove(path)
+    for _ in range(args.record_rounds):
+        for size, chunk in missing:
+            record(args, size, chunk)
+    return {s: {c: read(args, os.path.join(args.out, f"{args.scene}-{s}-{c}.trace.json")) for c in args.chunks} for s in args.sizes}
 
 
 def rebuild_interval(args, size):
@@ -81,30 +103,27 @@ def rebuild_interval(args, size):
     return summary["steps"] / max(1, summary["rebuilds_skin"])
 
 
-def measured_check(args, recordings, interval, memory):
-    """Real runs on the threads of this machine, interleaved, against the prediction for the same chunk."""
+def measured_check(args, recordings, memory):
+    """Real steps on the threads of this machine against the prediction for the same chunk, both without rebuilds: the median
+    over the steps of a traced run, so that an interruption of a few steps does not count; rounds are interleaved."""
     rows = []
     size = min(recordings)
-    chunk = args.check_chunk or max(c for c in recordings[size])
+    chunk = args.check_chunk or max(recordings[size])
     threads = [t for t in args.check_threads if t <= (os.cpu_count() or 1)]
-    rates = {t: [] for t in threads}
+    medians = {t: [] for t in threads}
+    path = os.path.join(args.out, "check.trace.json")
     for _ in range(args.rounds):
         for t in threads:
-            steps = args.check_steps
-            s = talus(args, args.scene, size, t, ["--chunk", str(chunk), "--warm", str(args.warm), "--steps",
-                                                  str(args.warm + steps)])
-            forced = sum(1 for k in s["rebuild_steps"] if k >= args.warm)
-            rates[t].append((s["wall_s"] / steps, forced / steps))
+            talus(args, args.scene, size, t, ["--chunk", str(chunk), "--steps", str(args.warm + args.check_steps), "--trace", path,
+                                              "--trace-from", str(args.warm), "--trace-steps", str(args.check_steps)])
+            medians[t].append(model.median(model.step_times(path)))
     rec = recordings[size][chunk]
     for t in threads:
-        seconds = np.array([r[0] for r in rates[t]])
-        rebuilds = float(np.mean([r[1] for r in rates[t]]))
-        p = model.simulate(rec, rec.facts["particles"], t, costs_of(args, rec), memory, args.fan_out == "tree", interval)
-        # the check's runs have their own number of rebuilds and no sort epoch after the warm steps
-        predicted = p["step"] + rebuilds * p.get("rebuild", 0.0)
-        rows.append({"threads": t, "particles": rec.facts["particles"], "chunk": chunk, "predicted": predicted,
-                     "measured": float(np.median(seconds)), "spread": float((seconds.max() - seconds.min()) / np.median(seconds)),
-                     "rounds": [float(v) for v in seconds]})
+        seconds = np.array(medians[t])
+        p = model.simulate(rec, rec.facts["particles"], t, costs_of(args, rec), memory, args.fan_out == "tree", 1e9)
+        rows.append({"threads": t, "particles": rec.facts["particles"], "chunk": chunk, "predicted": p["step"],
+                     "measured": float(np.median(seconds)), "fastest": float(seconds.min()),
+                     "spread": float((seconds.max() - seconds.min()) / np.median(seconds)), "rounds": seconds.tolist()})
     return rows
 
 
@@ -243,6 +262,8 @@ def parse_arguments():
     p.add_argument("--warm", type=int, default=100, help="steps before the trace")
     p.add_argument("--steps", type=int, default=40, help="traced steps")
     p.add_argument("--sort-every", type=int, default=1000, help="steps between sort epochs in production")
+    p.add_argument("--record-rounds", type=int, default=3)
+    p.add_argument("--leave-out", type=lambda t: t.split(","), default=[], help="what if: sort_epoch, rebuild or both cost nothing")
     p.add_argument("--rate-steps", type=int, default=1000, help="steps of the run that counts rebuilds")
     p.add_argument("--rebuild-every", type=float, help="steps between rebuilds instead of the measured interval")
     p.add_argument("--steal", type=float, default=0.3, help="taking a task out of another queue [us]")
@@ -272,7 +293,7 @@ def parse_arguments():
 def main():
     args = parse_arguments()
     os.makedirs(args.out, exist_ok=True)
-    recordings = {s: {c: record(args, s, c) for c in args.chunks} for s in args.sizes}
+    recordings = recordings_of(args)
     interval = args.rebuild_every or rebuild_interval(args, min(args.sizes))
     if args.record_only:
         return 0
@@ -293,15 +314,16 @@ def main():
           f"{args.wake} us; a rebuild every {interval:.0f} steps, a sort epoch every {args.sort_every}")
     checks = []
     if not args.no_check:
-        checks = measured_check(args, recordings, interval, memory)
+        checks = measured_check(args, recordings, memory)
         print(f"\nprediction against real runs ({args.rounds} interleaved rounds, medians):")
         for r in checks:
             print(f"  {r['threads']} thread(s), {r['particles']} grains, chunk {r['chunk']}: predicted {1e6 * r['predicted']:.0f} us per "
-                  f"step, measured {1e6 * r['measured']:.0f} us (spread {100 * r['spread']:.0f} %), predicted / measured "
-                  f"{r['predicted'] / r['measured']:.3f}")
+                  f"step, measured {1e6 * r['measured']:.0f} us (spread {100 * r['spread']:.0f} %, fastest round "
+                  f"{1e6 * r['fastest']:.0f}), predicted / measured {r['predicted'] / r['measured']:.3f}")
         if len(checks) > 1:
-            speedup = [checks[0][k] / checks[-1][k] for k in ("predicted", "measured")]
-            print(f"  speed-up on {checks[-1]['threads']}: predicted {speedup[0]:.2f}, measured {speedup[1]:.2f}")
+            speedup = [checks[0][k] / checks[-1][k] for k in ("predicted", "measured", "fastest")]
+            print(f"  speed-up on {checks[-1]['threads']}: predicted {speedup[0]:.2f}, measured {speedup[1]:.2f} "
+                  f"(fastest rounds {speedup[2]:.2f})")
     rows = predict(args, recordings, interval, memory)
     print_predictions(args, rows)
     print_kinds(args, rows)

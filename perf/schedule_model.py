@@ -72,6 +72,10 @@ class Recording:
     def chunks(self):
         return len(self.chains[0])
 
+    def work(self):
+        """Median seconds of a step's chunks: how disturbed the recording was."""
+        return median([sum(sum(c.values()) for c in step) for step in self.chains])
+
     def kind_seconds(self, kind):
         """Mean seconds per step of one node kind, all chunks."""
         return sum(c.get(kind, 0.0) for step in self.chains for c in step) / len(self.chains)
@@ -160,6 +164,15 @@ def read_trace(path):
     clip(chains)
     kinds = [k for k in CHAIN if k in chains[0][0]]
     return Recording(facts, chains, median(checks), median(first), median(joins), median(hops), rebuild, epoch, kinds=kinds)
+
+
+def step_times(path):
+    """Seconds of every step of a trace that rebuilt nothing: from one displacement_check to the next. Any number of threads."""
+    with open(path) as f:
+        events = [e for e in json.load(f)["traceEvents"] if e["ph"] == "X" and "chunk" not in e["args"]]
+    begin = {e["args"]["step"]: e["ts"] for e in events if e["name"] == "displacement_check"}
+    rebuilt = {e["args"]["step"] for e in events if e["name"] == "rebuild"}
+    return [(begin[s + 1] - begin[s]) * 1e-6 for s in sorted(begin) if s + 1 in begin and s not in rebuilt]
 
 
 def length(parts):
