@@ -1,6 +1,8 @@
 // Kernels of a number type that counts its arithmetic: the flops, divisions and roots of the microbenchmarks come from
 // the kernels' own source. Who calls it: count_once() in kernels_measure.hpp. Invariant: results are those of the
 // scalar kernels, so a counted call leaves the state as a timed one does.
+#include <type_traits>
+
 #include "kernels/table.hpp"
 #include "perf/kernels_measure.hpp"
 
@@ -28,8 +30,13 @@ Counted operator/(Counted a, Counted b) {
   return counted(a.v / b.v);
 }
 
-bool on_both(const bool* both) { return both[0]; }
-bool on_both(unsigned both) { return (both & 1U) != 0; }
+template <class Both>
+bool on_both(Both both) {
+  if constexpr (std::is_pointer_v<Both>)
+    return both[0];
+  else
+    return (both & 1U) != 0;
+}
 
 /// The scalar kernels' primitives, counted. Signatures are left open where only the number of operations matters.
 template <class Base>

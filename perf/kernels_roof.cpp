@@ -30,6 +30,13 @@ TALUS_CLONES void triad(double* a, const double* b, const double* c, long n) {
   for (long k = 0; k < n; ++k) a[k] = b[k] + 3.0 * c[k];
 }
 
+/// Copy with stores that pass the caches by and fetch no line first: what an out-of-place integration could save.
+__attribute__((target("sse2"), noinline)) void copy_around(double* a, const double* b, const double*, long n) {
+  for (long k = 0; k + 8 <= n; k += 8)
+    for (long q = k; q < k + 8; q += 2) _mm_stream_pd(a + q, _mm_load_pd(b + q));
+  _mm_sfence();
+}
+
 struct StreamCase {
   const char* name;
   void (*run)(double*, const double*, const double*, long);
@@ -38,7 +45,8 @@ struct StreamCase {
 constexpr StreamCase k_streams[] = {{"stream_copy", copy, 16, 0},
                                     {"stream_scale", scale, 16, 1},
                                     {"stream_add", add_arrays, 24, 1},
-                                    {"stream_triad", triad, 24, 2}};
+                                    {"stream_triad", triad, 24, 2},
+                                    {"stream_copy_around", copy_around, 16, 0}};
 constexpr long k_sizes[] = {24, 768, 196608, 1572864};  // KiB of three arrays: L1, L2, what 512k grains occupy, memory
 
 /// Three arrays of the last size asked for: the four loops of a size share them.
