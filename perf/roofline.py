@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Roofline of the kernels from one run of perf_kernels.
+"""Roofline of the kernels from one run of perf_kernels, or the medians of several.
 
     build/perf/perf_kernels --benchmark_format=json > kernels.json      (or --benchmark_filter='avx512|core|stream|peak')
-    python3 perf/roofline.py kernels.json [--isa avx512] [--svg roofline.svg]
+    python3 perf/roofline.py kernels.json [more.json ...] [--isa avx512] [--svg roofline.svg]
 
 Prints, per kernel and element (grain, candidate, contact): time, arithmetic, traffic, arithmetic intensity, GFlop/s,
 GB/s, and how much of the time three lower bounds explain:
@@ -11,7 +11,8 @@ GB/s, and how much of the time three lower bounds explain:
   arithmetic  flops over the peak of independent additions and multiplications without FMA (exact mode never fuses)
   division    divisions and square roots over the throughput of the one unit that does both
 `share` is the largest of the three over the measured time: 100 % cannot be beaten without doing less. With
---benchmark_repetitions the median counts. Code of core/ (walls, sorting) is not counted in flops.
+--benchmark_repetitions or several files the median counts (several runs are better than repetitions: which physical
+pages a run gets decides how well 4k grains fit into L2). Code of core/ (walls, sorting) is not counted in flops.
 """
 
 import argparse
@@ -22,20 +23,21 @@ import sys
 L1, L2, BED, MEMORY = "24KiB", "768KiB", "196608KiB", "1572864KiB"
 
 
-def read(path):
+def read(paths):
     """Median counters per benchmark name."""
-    try:
-        with open(path) as f:
-            rows = json.load(f)["benchmarks"]
-    except (OSError, ValueError, KeyError) as e:
-        sys.exit(f"{path}: not the JSON of perf_kernels ({e}); run it with --benchmark_format=json")
     found = {}
-    for row in rows:
-        if row.get("error_occurred"):
-            sys.exit(f"{path}: {row['name']} failed: {row.get('error_message', '')}")
-        if row.get("run_type") == "aggregate" or "ns" not in row:
-            continue
-        found.setdefault(row["name"].removesuffix("/real_time"), []).append(row)
+    for path in paths:
+        try:
+            with open(path) as f:
+                rows = json.load(f)["benchmarks"]
+        except (OSError, ValueError, KeyError) as e:
+            sys.exit(f"{path}: not the JSON of perf_kernels ({e}); run it with --benchmark_format=json")
+        for row in rows:
+            if row.get("error_occurred"):
+                sys.exit(f"{path}: {row['name']} failed: {row.get('error_message', '')}")
+            if row.get("run_type") == "aggregate" or "ns" not in row:
+                continue
+            found.setdefault(row["name"].removesuffix("/real_time"), []).append(row)
     return {
         name: {k: statistics.median(r[k] for r in group) for k in group[0] if isinstance(group[0][k], (int, float))}
         for name, group in found.items()
@@ -96,7 +98,7 @@ def table(rows, isa, roofs):
 
 def streams(rows):
     print(f"\n{'STREAM, GB/s':<18}" + "".join(f"{s:>14}" for s in (L1, L2, BED, MEMORY)))
-    for loop in ("copy", "scale", "add", "triad"):
+    for loop in ("copy", "scale", "add", "triad", "copy_around"):
         for threads in ("1t", "2t"):
             values = [rows.get(f"stream_{loop}/{threads}/{s}") for s in (L1, L2, BED, MEMORY)]
             if any(values):
@@ -147,14 +149,14 @@ def plot(points, roofs, isa, path):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("json", help="output of perf_kernels --benchmark_format=json")
+    parser.add_argument("json", nargs="+", help="output of perf_kernels --benchmark_format=json")
     parser.add_argument("--isa", choices=("avx512", "avx2", "sse2", "scalar"), help="default: the best in the file")
     parser.add_argument("--svg", help="file to draw to")
     args = parser.parse_args()
     rows = read(args.json)
     isa = args.isa or next((i for i in ("avx512", "avx2", "sse2", "scalar") if f"step/{i}/4k" in rows), None)
     if isa is None or not any(kernels(rows, isa)):
-        sys.exit(f"{args.json} holds no kernels of {isa or 'any instruction set'}")
+        sys.exit(f"{' '.join(args.json)}: no kernels of {isa or 'any instruction set'}")
     roofs = Roofs(rows, isa)
     points = table(rows, isa, roofs)
     streams(rows)
