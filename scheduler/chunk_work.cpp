@@ -369,13 +369,13 @@ void integrate_chunk(World& w, Chunk& c) {
   a.local = w.scene.local_damping;
   a.unstable = w.unstable_limit;
   a.out = c.out.data();
+  if (w.options.seeded_fault == 4 && w.step == 50 && c.index == 0)
+    s.f[0] = __builtin_nan("");  // tests only: a force that is no number
   w.kernels->integrate[w.has.rotation ? 1 : 0](a);
   c.out_count = a.out_count;
   c.expired = a.expired;
   c.unstable_row = a.unstable_row;
   if (w.sampled) observe_chunk(w, c);
-  if (w.options.seeded_fault == 4 && w.step == 50 && c.index == 0)
-    w.v2[0] = w.p2[0] = __builtin_nan("");  // tests only: a number that is none is born
   w.scratch.give(c.scratch);
   c.scratch = nullptr;
 }

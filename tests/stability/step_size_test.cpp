@@ -237,20 +237,24 @@ TEST(Stability, S06_SmallGrainSlidesOutFromBetweenTwoBigOnes) {
 }
 
 TEST(Stability, S07_RadiusRatio100ListComplete) {
-  const int n = full() ? 100000 : 4000;
-  const double r = 1e-3;
+  const int per_axis = full() ? 47 : 18;
+  const double r = 1e-3, pitch = 2.4 * r;
   const auto scene = [&](bool coarse) {
-    const double side = 2 * r * std::cbrt(n * 0.5236 / 0.2) + (coarse ? 0.18 : 0);
+    // fines on a shaken lattice; the coarse grain in the middle of it pushes the lattice outwards by its own size
+    const double gap = coarse ? 200 * r : 0, side = per_axis * pitch + gap;
     Scene s = open_scene({0, 0, 0}, {side, side, side}, 1e-6);
     linear_law(s, 1e3, 10);
-    if (coarse) add_grains(s, {{{0.5 * side, 0.5 * side, 0.5 * side}, {}, 100 * r}});
-    Source fines;
-    fines.kind = Source::Kind::random;
-    fines.region = {{0, 0, 0}, {side, side, side}};
-    fines.size.diameter = 2 * r;
-    fines.number = n;
-    fines.velocity_jitter = 5;
-    s.sources.push_back(fines);
+    std::vector<Grain> grains;
+    if (coarse) grains.push_back({{0.5 * side, 0.5 * side, 0.5 * side}, {}, 100 * r});
+    for (int k = 0; k < per_axis * per_axis * per_axis; ++k) {
+      const auto q = [k](int c) { return uniform(41, static_cast<std::uint64_t>(8 * k + c)) - 0.5; };
+      const int at[3] = {k % per_axis, k / per_axis % per_axis, k / per_axis / per_axis};
+      Vec3 x;
+      for (int c = 0; c < 3; ++c)
+        x[c] = pitch * (at[c] + 0.5) + 0.39 * r * q(c) + (c == 2 && 2 * at[c] >= per_axis ? gap : 0);
+      grains.push_back({x, {5 * q(3), 5 * q(4), 5 * q(5)}, r});
+    }
+    add_grains(s, grains);
     return s;
   };
   Simulation mono(scene(false), options()), mixed(scene(true), options());
