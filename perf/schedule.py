@@ -42,24 +42,31 @@ def scene_arguments(scene, size):
             f"domain.upper=[{box[0]}, {box[1]}, {box[2]}]"]
 
 
-def talus(args, scene, size, threads, extra):
-    command = [args.talus, "run"] + scene_arguments(scene, size) + [
-        "--threads", str(threads), "--quiet", "--json", "--overwrite", "--out", os.path.join(args.out, "run")] + extra
+def start(args, size, threads, number, extra):
+    command = [args.talus, "run"] + scene_arguments(args.scene, size) + [
+        "--threads", str(threads), "--quiet", "--json", "--overwrite", "--out", os.path.join(args.out, f"run{number}")] + extra
     if args.isa:
         command += ["--isa", args.isa]
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
-    if done.returncode != 0:
-        raise SystemExit(f"schedule.py: {' '.join(command)}\n{done.stderr}")
-    return json.loads(done.stdout)
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def finish(process):
+    out, errors = process.communicate()
+    if process.returncode != 0:
+        raise SystemExit(f"schedule.py: {' '.join(process.args)}\n{errors}")
+    return json.loads(out)
+
+
+def talus(args, size, extra):
+    return finish(start(args, size, 1, 0, extra))
 
 
 def record(args, size, chunk):
     """Trace of some steps on one thread, with one sort epoch (and the rebuild in it) among them; kept if it beats the last."""
     path = os.path.join(args.out, f"{args.scene}-{size}-{chunk}.trace.json")
     epoch = args.warm + args.steps // 2
-    talus(args, args.scene, size, 1, ["--chunk", str(chunk), "--steps", str(args.warm + args.steps), "--set",
-                                      f"sort_every={epoch}", "--trace", path + ".part", "--trace-from", str(args.warm),
-                                      "--trace-steps", str(args.steps)])
+    talus(args, size, ["--chunk", str(chunk), "--steps", str(args.warm + args.steps), "--set", f"sort_every={epoch}", "--trace",
+                       path + ".part", "--trace-from", str(args.warm), "--trace-steps", str(args.steps)])
     if not os.path.exists(path) or read(args, path + ".part").work() < read(args, path).work():
         os.replace(path + ".part", path)
 
@@ -97,7 +104,7 @@ def rebuild_interval(args, size):
         with open(path) as f:
             summary = json.load(f)
     else:
-        summary = talus(args, args.scene, size, 1, ["--steps", str(args.rate_steps)])
+        summary = talus(args, size, ["--steps", str(args.rate_steps)])
         with open(path, "w") as f:
             json.dump(summary, f)
     return summary["steps"] / max(1, summary["rebuilds_skin"])
@@ -105,26 +112,38 @@ def rebuild_interval(args, size):
 
 def measured_check(args, recordings, memory):
     """Real steps on the threads of this machine against the prediction for the same chunk, both without rebuilds: the median
-    over the steps of a traced run, so that an interruption of a few steps does not count; rounds are interleaved."""
+    over the steps of a traced run, so that an interruption of a few steps does not count; rounds are interleaved.
+    The speed of a core depends on what its neighbours do (clock, shared caches): t threads are compared with t independent
+    one-thread processes at the same time, whose ratio to the recording scales the prediction."""
     rows = []
     size = min(recordings)
     chunk = args.check_chunk or max(recordings[size])
     threads = [t for t in args.check_threads if t <= (os.cpu_count() or 1)]
-    medians = {t: [] for t in threads}
-    path = os.path.join(args.out, "check.trace.json")
+    together, copies = {t: [] for t in threads}, {t: [] for t in threads}
+    run = lambda t, k: start(args, size, t, k, ["--chunk", str(chunk), "--steps", str(args.warm + args.check_steps), "--trace",
+                                                os.path.join(args.out, f"check{k}.trace.json"), "--trace-from", str(args.warm),
+                                                "--trace-steps", str(args.check_steps)])
     for _ in range(args.rounds):
         for t in threads:
-            talus(args, args.scene, size, t, ["--chunk", str(chunk), "--steps", str(args.warm + args.check_steps), "--trace", path,
-                                              "--trace-from", str(args.warm), "--trace-steps", str(args.check_steps)])
-            medians[t].append(model.median(model.step_times(path)))
+            finish(run(t, 0))
+            together[t].append(step_median(args, 0))
+            for process in [run(1, k) for k in range(t)]:
+                finish(process)
+            copies[t].append(float(np.mean([step_median(args, k) for k in range(t)])))
     rec = recordings[size][chunk]
+    simulated = lambda t: model.simulate(rec, rec.facts["particles"], t, costs_of(args, rec), memory, args.fan_out == "tree", 1e9)["step"]
+    one = simulated(1)
     for t in threads:
-        seconds = np.array(medians[t])
-        p = model.simulate(rec, rec.facts["particles"], t, costs_of(args, rec), memory, args.fan_out == "tree", 1e9)
-        rows.append({"threads": t, "particles": rec.facts["particles"], "chunk": chunk, "predicted": p["step"],
-                     "measured": float(np.median(seconds)), "fastest": float(seconds.min()),
-                     "spread": float((seconds.max() - seconds.min()) / np.median(seconds)), "rounds": seconds.tolist()})
+        ratio = np.array(copies[t]) / np.array(together[t])
+        rows.append({"threads": t, "particles": rec.facts["particles"], "chunk": chunk, "copies": float(np.median(copies[t])),
+                     "recorded": one, "predicted": simulated(t) * float(np.median(copies[t])) / one, "predicted_speedup": one / simulated(t),
+                     "measured": float(np.median(together[t])), "measured_speedup": float(np.median(ratio)),
+                     "low": float(ratio.min()), "high": float(ratio.max()), "rounds": [together[t], copies[t]]})
     return rows
+
+
+def step_median(args, k):
+    return model.median(model.step_times(os.path.join(args.out, f"check{k}.trace.json")))
 
 
 def costs_of(args, rec):
@@ -315,15 +334,13 @@ def main():
     checks = []
     if not args.no_check:
         checks = measured_check(args, recordings, memory)
-        print(f"\nprediction against real runs ({args.rounds} interleaved rounds, medians):")
+        print(f"\nprediction against real runs, steps without rebuilds ({args.rounds} interleaved rounds, medians):")
         for r in checks:
             print(f"  {r['threads']} thread(s), {r['particles']} grains, chunk {r['chunk']}: predicted {1e6 * r['predicted']:.0f} us per "
-                  f"step, measured {1e6 * r['measured']:.0f} us (spread {100 * r['spread']:.0f} %, fastest round "
-                  f"{1e6 * r['fastest']:.0f}), predicted / measured {r['predicted'] / r['measured']:.3f}")
-        if len(checks) > 1:
-            speedup = [checks[0][k] / checks[-1][k] for k in ("predicted", "measured", "fastest")]
-            print(f"  speed-up on {checks[-1]['threads']}: predicted {speedup[0]:.2f}, measured {speedup[1]:.2f} "
-                  f"(fastest rounds {speedup[2]:.2f})")
+                  f"step, measured {1e6 * r['measured']:.0f} us, predicted / measured {r['predicted'] / r['measured']:.3f}\n"
+                  f"    speed-up over {r['threads']} independent one-thread processes run at once (mean {1e6 * r['copies']:.0f} us; recorded "
+                  f"{1e6 * r['recorded']:.0f}): predicted {r['predicted_speedup']:.2f}, measured {r['measured_speedup']:.2f} "
+                  f"({r['low']:.2f} ... {r['high']:.2f})")
     rows = predict(args, recordings, interval, memory)
     print_predictions(args, rows)
     print_kinds(args, rows)
