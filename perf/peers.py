@@ -5,6 +5,7 @@
   python3 perf/peers.py --scenes all --rounds 9 --cores 1,2 --json peers.json
   python3 perf/peers.py --install                         # the peers from Debian (apt packages lammps, liggghts)
   python3 perf/peers.py --lammps ~/lmp-native ...         # or binaries of your own
+  python3 perf/peers.py --scenes all --marks              # exit 1 if a scene's speed mark does not hold on one core
 
 Every round runs A B C A B C ... on the same pinned cores, so that a slow minute of the machine hits all codes alike; ratios
 are taken within a round. Timed: `steps` steps after `warm` untimed ones, rebuilds included, start-up excluded (Talus:
@@ -28,6 +29,10 @@ import states
 ROOT = os.path.dirname(states.HERE)
 LAMMPS_FORM = ["contact.dashpot=lagged", "contact.lever=radius", "contact.synchronised=false"]
 CODES = ("talus", "lammps", "liggghts")
+# Speed marks on one core: Talus is to be so many times as fast as this peer ("better": the faster of the two).
+MARKS = {"settle32": (3.0, "lammps"), "settle128": (3.0, "lammps"), "settle512": (3.0, "lammps"), "chute32": (2.5, "lammps"),
+         "flow128": (2.5, "lammps"), "gas128": (2.0, "lammps"), "radii5": (3.0, "better"), "hopper125": (3.0, "better")}
+APT_SHARE = 0.85  # of the speed of a native -O3 build of the same peer
 
 
 class Failure(Exception):
@@ -191,6 +196,51 @@ def print_rates(results):
             print(f"{r['scene']:<10} {r['cores']:>5} {code:<9} {e['median'] / 1e6:>11.2f} {100 * e['spread']:>6.1f}% {rebuilds:>8}  {ratio}")
 
 
+def origin(path):
+    """apt or path: where a peer's binary comes from."""
+    return "apt" if os.path.realpath(shutil.which(path) or path).startswith("/usr/bin/") else "path"
+
+
+def mark_of(result, peers):
+    """(mark, peer, ratio, low, high, holds) of a one-core result; None without a mark or without the peer it names. "Better" is the
+    peer with the higher median rate, and both have to be there."""
+    mark, peer = MARKS.get(result["scene"], (None, None))
+    if mark is None or result["cores"] != 1 or "talus" not in result["codes"]:
+        return None
+    if peer == "better":
+        if any(c not in result["codes"] for c in peers):
+            return None
+        peer = max(peers, key=lambda c: result["codes"][c]["median"])
+    entry = result["codes"].get(peer)
+    return entry and (mark, peer, entry["ratio"], entry["low"], entry["high"], entry["ratio"] >= mark)
+
+
+def print_marks(results, binaries):
+    """The marks of the scenes against the peers as they were run. Returns whether all hold; a scene that cannot be judged does not."""
+    held, noted = True, False
+    print(f"\n{'mark, one core':<14} {'at least':>24}  {'measured (95 % of the median)':<30} {'':<14} note")
+    for r in results:
+        if r["cores"] != 1 or r["scene"] not in MARKS:
+            continue
+        found = mark_of(r, CODES[1:])
+        if found is None:
+            held = False
+            print(f"{r['scene']:<14} cannot be judged: a peer is missing")
+            continue
+        mark, peer, ratio, low, high, ok = found
+        held = held and ok
+        note = ""
+        if origin(binaries[peer]) == "apt":
+            noted = True
+            note = f"~ {APT_SHARE * ratio:.2f} x a native build"
+        print(f"{r['scene']:<14} {f'{mark:.1f} x {peer} ({origin(binaries[peer])})':>24}  {f'{ratio:.2f}  ({low:.2f} ... {high:.2f})':<30} "
+              f"{'holds' if ok else 'DOES NOT HOLD':<14} {note}")
+    if noted:
+        print(f"The marks are meant against native -O3 builds; an apt binary has about {APT_SHARE} of the speed of one: the notes convert, the "
+              "verdicts do not.")
+    return held
+
+
 def print_agreement(name, ke):
     reference = ke.get("lammps") or ke["talus (LAMMPS form)"]
     print(f"\nkinetic energy of {name} after 500 steps (translation):")
@@ -217,6 +267,7 @@ def parse_arguments():
     p.add_argument("--set", action="append", default=[], help="section.key=value for Talus (repeatable)")
     p.add_argument("--no-agreement", action="store_true", help="leave out the kinetic energies")
     p.add_argument("--mark", type=float, help="exit 1 if Talus / LAMMPS is below this on any scene with one core")
+    p.add_argument("--marks", action="store_true", help="exit 1 if the mark of a scene does not hold on one core")
     p.add_argument("--json", help="write all figures to this file")
     p.add_argument("--work", default=os.path.join(ROOT, "build", "peers"))
     args = p.parse_args()
@@ -263,16 +314,22 @@ def main():
             energies[name] = agreement(runner, case, args.codes)
         for cores in args.cores:
             results.append(measure(runner, case, cores, args.codes, args.rounds, args.warm, args.steps_of(case)))
-    print("binaries: " + ", ".join(f"{c} {getattr(args, c)}" for c in args.codes))
+    binaries = {c: getattr(args, c) for c in CODES}
+    print("binaries: " + ", ".join(f"{c} {binaries[c]}" + (f" ({origin(binaries[c])})" if c != "talus" else "") for c in args.codes))
     print(f"{args.rounds} interleaved rounds, {args.warm} warm-up steps; spread = (max - min) / median; "
           f"largest load average {max(r['load_average'] for r in results):.1f} on {cpus} cores; "
           f"{time.time() - started:.0f} s in all\n")
     print_rates(results)
+    held = print_marks(results, binaries)
     for name, ke in energies.items():
         print_agreement(name, ke)
     if args.json:
         with open(args.json, "w") as f:
-            json.dump({"results": results, "kinetic_energy": energies}, f, indent=1)
+            json.dump({"binaries": {c: [binaries[c], origin(binaries[c])] for c in args.codes}, "results": results,
+                       "marks": {r["scene"]: mark_of(r, CODES[1:]) for r in results if r["cores"] == 1},
+                       "kinetic_energy": energies}, f, indent=1)
+    if args.marks and not held:
+        return 1
     if args.mark is not None:
         low = [r for r in results if r["cores"] == 1 and r["codes"].get("lammps", {}).get("ratio", 1e9) < args.mark]
         for r in low:

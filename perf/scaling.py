@@ -4,6 +4,7 @@
   python3 perf/scaling.py                               # all four sweeps on the settled bed
   python3 perf/scaling.py --sweeps threads --threads 1,2,4,8 --sizes 32000,128000 --rounds 9
   python3 perf/scaling.py --out build/scaling           # scaling.json, scaling.png, scaling.svg
+  python3 perf/scaling.py --pair                        # two threads against two independent processes run at once, 32k and 128k
 
 Sweeps: sizes (one thread), threads (strong: fixed size; weak: fixed grains per thread), isa, k
 (on the flowing chute32: a bed at rest lives on the skin's floor, whatever K is).
@@ -62,24 +63,63 @@ def drop_seam_overlaps(state, box):
     return state[~gone]
 
 
-def run(args, size, threads=1, isa=None, k=None, scene="settle32"):
-    """particle-steps/s and summary of one timed run."""
+def start(args, size, threads=1, isa=None, k=None, scene="settle32", steps=None, cores=None, number=0):
+    """Starts one timed run; finish() waits for it."""
     path, box = bed(size) if scene == "settle32" else (states.csv_path(scene), states.BED_BOX[1])
-    steps = max(args.min_steps, int(args.work / size) * threads)
-    command = ["taskset", "-c", ",".join(str(args.first_core + c) for c in range(threads)), args.talus, "run",
+    steps = steps or max(args.min_steps, int(args.work / size) * threads)
+    cores = cores or [args.first_core + c for c in range(threads)]
+    command = ["taskset", "-c", ",".join(map(str, cores)), args.talus, "run",
                os.path.join(states.HERE, "scenes", scene + ".toml"), "--threads", str(threads), "--warm", "200", "--steps",
-               str(200 + steps), "--quiet", "--json", "--overwrite", "--out", os.path.join(args.out, "run"), "--set",
+               str(200 + steps), "--quiet", "--json", "--overwrite", "--out", os.path.join(args.out, f"run{number}"), "--set",
                f"source.0.file={path}", "--set", f"domain.upper=[{box[0]}, {box[1]}, {box[2]}]"]
     if isa:
         command += ["--isa", isa]
     if k is not None:
         command += ["--verlet-k", str(k)]
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
-    if done.returncode != 0:
-        raise SystemExit(f"{' '.join(command)}\n{done.stderr}")
-    summary = json.loads(done.stdout)
-    return {"rate": summary["particle_steps_per_s"], "rebuilds": 1000 * summary["rebuilds"] / (steps + 200),
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def finish(process):
+    """particle-steps/s and facts of a run."""
+    out, errors = process.communicate()
+    if process.returncode != 0:
+        raise SystemExit(f"scaling.py: {' '.join(process.args)}\n{errors}")
+    summary = json.loads(out)
+    return {"rate": summary["particle_steps_per_s"], "rebuilds": 1000 * summary["rebuilds"] / summary["steps"],
             "bytes": summary["bytes_per_particle"], "particles": summary["particles"], "isa": summary["isa"]}
+
+
+def run(args, size, **keywords):
+    return finish(start(args, size, **keywords))
+
+
+def pair(args, sizes):
+    """Two threads against the summed rate of two independent one-thread processes that run at the same time, one per core: the
+    same cores, caches and memory, so that only what the threads do to each other counts. Rounds are interleaved."""
+    cores = [args.first_core, args.first_core + 1]
+    rng = np.random.default_rng(1)
+    rows = []
+    rounds = {size: [] for size in sizes}
+    for r in range(args.rounds):
+        for size in sizes:
+            steps = max(args.min_steps, int(args.work / size))
+            threads = run(args, size, threads=2, steps=2 * steps, cores=cores)["rate"]
+            both = [start(args, size, steps=steps, cores=[c], number=k) for k, c in enumerate(cores)]
+            copies = sum(finish(p)["rate"] for p in both)
+            rounds[size].append((threads, copies))
+        print(f"  pair: round {r + 1}/{args.rounds}", file=sys.stderr)
+    print(f"\ntwo threads against two independent processes at the same time ({args.rounds} interleaved rounds, cores {cores})\n"
+          f"{'':<12} {'2 threads':>10} {'2 processes':>12}   ratio (95 % of the median)   >= 0.95")
+    for size, values in rounds.items():
+        values = np.array(values)
+        ratios = values[:, 0] / values[:, 1]
+        medians = np.median(ratios[rng.integers(0, len(ratios), (4000, len(ratios)))], axis=1)
+        low, high = np.percentile(medians, [2.5, 97.5])
+        row = {"size": size, "ratio": float(np.median(ratios)), "low": float(low), "high": float(high), "rounds": values.tolist()}
+        rows.append(row)
+        print(f"N = {size:<8} {np.median(values[:, 0]) / 1e6:>8.2f} M {np.median(values[:, 1]) / 1e6:>10.2f} M   {row['ratio']:.3f}  "
+              f"({low:.3f} ... {high:.3f})          {'holds' if row['ratio'] >= 0.95 else 'DOES NOT HOLD'}")
+    return rows
 
 
 def sweep(args, name, points):
@@ -171,19 +211,22 @@ def main():
     numbers = lambda text: [int(v) for v in text.split(",")]
     p.add_argument("--talus", default=os.path.join(ROOT, "build", "talus"))
     p.add_argument("--sweeps", default="sizes,threads,isa,k")
-    p.add_argument("--sizes", type=numbers, default=[4000, 8000, 16000, 32000, 64000, 128000, 256000, 512000],
-                   help="from " + ", ".join(str(s) for s in TILES))
+    p.add_argument("--sizes", type=numbers, help="of the sweep (default 4000 ... 512000) or of --pair; from "
+                   + ", ".join(str(s) for s in TILES))
     p.add_argument("--threads", type=numbers, help="default: powers of two up to the cores of this machine")
     p.add_argument("--strong-size", type=int, default=128000)
     p.add_argument("--weak-size", type=int, default=32000, help="grains per thread")
     p.add_argument("--ks", type=numbers, default=[0, 10, 50, 100, 200, 500, 1000, 2000])
-    p.add_argument("--rounds", type=int, default=5)
+    p.add_argument("--rounds", type=int, help="default: 5, 15 with --pair")
+    p.add_argument("--pair", action="store_true", help="only: two threads against two processes (default sizes 32000,128000)")
     p.add_argument("--work", type=float, default=64e6, help="particle-steps per timed run and thread")
     p.add_argument("--min-steps", type=int, default=200)
     p.add_argument("--first-core", type=int, default=0)
     p.add_argument("--out", default=os.path.join(ROOT, "build", "scaling"))
     args = p.parse_args()
     args.talus, args.out = os.path.abspath(args.talus), os.path.abspath(args.out)
+    args.rounds = args.rounds or (15 if args.pair else 5)
+    args.sizes = args.sizes or ([32000, 128000] if args.pair else [s for s in TILES if s <= 512000])
     if any(s not in TILES for s in args.sizes + [args.strong_size, args.weak_size]):
         p.error("sizes are " + ", ".join(str(s) for s in TILES))
     os.makedirs(args.out, exist_ok=True)
@@ -194,6 +237,13 @@ def main():
     if load > 0.3 * cpus:
         print(f"warning: load average {load:.1f} on {cpus} cores: these rates are not to be quoted", file=sys.stderr)
     results = {"load_average": load}
+    if args.pair:
+        if cpus < args.first_core + 2:
+            p.error("--pair needs two cores")
+        results["pair"] = pair(args, args.sizes)
+        with open(os.path.join(args.out, "pair.json"), "w") as f:
+            json.dump(results, f, indent=1)
+        return
     for name in args.sweeps.split(","):
         if name == "sizes":
             results["sizes"] = sweep(args, name, {f"N = {s}": {"size": s} for s in args.sizes})
