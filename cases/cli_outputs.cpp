@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "cases/cli_failure.hpp"
 #include "cases/cli_schedule.hpp"
 #include "core/averages.hpp"
 #include "core/io/series.hpp"
@@ -216,8 +217,9 @@ std::string RunOutputs::dump_failure(const Simulation& simulation) noexcept {
     columns.coordination = columns.stress = false;  // forces of a failed step mean nothing
     const Frame frame = simulation.frame({});
     write_vtp(impl_->folder.path("failed.vtp"), particle_poly(frame, columns), frame.time);
+    write_neighbourhood(simulation, impl_->folder.path("failed_near.csv"));
   } catch (...) {
-    // The checkpoint is there; the picture can be made from it.
+    // The checkpoint is there; the pictures can be made from it.
   }
   return path;
 }

@@ -26,7 +26,8 @@ class RunOutputs {
   void write(const Simulation& simulation);
   /// Writes a checkpoint of the present step, drops all but the newest two; returns its path. Error{io}.
   std::string checkpoint(const Simulation& simulation);
-  /// After a physical failure: the last state as failed.tcp, and its particles as failed.vtp. Returns the path of the
+  /// After a physical failure: the last state as failed.tcp, its particles as failed.vtp and those near the
+  /// culprits as failed_near.csv. Returns the path of the
   /// checkpoint, empty if it could not be written: the failure itself is the message that counts.
   std::string dump_failure(const Simulation& simulation) noexcept;
   std::string paraview_file() const;  ///< file to open in ParaView; empty if the scene writes no particles

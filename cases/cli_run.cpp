@@ -2,6 +2,7 @@
 // engine runs in slices up to the next output, checkpoint or signal. Invariants: slices and signals change no result;
 // whatever ends the run (success, signal, physical failure) leaves a summary and readable files.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -54,6 +55,19 @@ struct Outcome {
   double seconds = 0;      ///< of the timed steps: after --warm, without the closing checkpoint
 };
 
+/// Says each kind of warning once, when it appears.
+class WarningsOnce {
+ public:
+  void say(const Simulation& simulation) {
+    for (; said_ < simulation.warnings().size(); ++said_)
+      fmt::print(stderr, "{}talus: warning: {}\n", isatty(STDERR_FILENO) != 0 ? "\r\x1b[K" : "",
+                 simulation.warnings()[said_].text);
+  }
+
+ private:
+  std::size_t said_ = 0;
+};
+
 /// Runs to the last step, a signal or a physical failure.
 Outcome advance(const Options& options, const Scene& scene, Simulation& simulation, RunOutputs& outputs,
                 Progress& progress) {
@@ -61,6 +75,8 @@ Outcome advance(const Options& options, const Scene& scene, Simulation& simulati
   SignalGuard signals;
   Slicer slicer;
   TraceOnce trace(simulation, options);
+  WarningsOnce warnings;
+  warnings.say(simulation);
   // Benchmarks leave out the first steps: first-touch page faults and buffers that still grow are not the code's speed.
   const std::int64_t warm = simulation.step() + options.warm;
   try {
@@ -73,6 +89,7 @@ Outcome advance(const Options& options, const Scene& scene, Simulation& simulati
       simulation.run(count);
       slicer.measured(count, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
       outputs.write(simulation);
+      warnings.say(simulation);
       trace.after(simulation, false);
       progress.update(simulation.step(), simulation.time(), simulation.particles());
       if (options.warm > 0 && simulation.step() == warm) {
@@ -88,6 +105,7 @@ Outcome advance(const Options& options, const Scene& scene, Simulation& simulati
     if (e.code() != ErrorCode::physics) throw;
     outcome.failure = e.what();
     outcome.seconds = progress.seconds();
+    warnings.say(simulation);
     outcome.checkpoint = outputs.dump_failure(simulation);
   }
   progress.finish();

@@ -53,6 +53,8 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
     s.elastic_energy = e.elastic;
     s.dissipated_energy = e.dissipated_damping + e.dissipated_friction + e.dissipated_background;
   }
+  for (const Warning& w : simulation.warnings())
+    s.warnings.push_back({w.kind, w.text, w.first_step, w.count, w.worst, w.level});
   s.state_hash = simulation.state_hash();
   return s;
 }

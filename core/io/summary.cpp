@@ -128,6 +128,13 @@ std::string summary_json(const Summary& s) {
   o.add("potential_energy", s.potential_energy);
   o.add("elastic_energy", s.elastic_energy);
   o.add("dissipated_energy", s.dissipated_energy);
+  std::string warnings;
+  for (const auto& w : s.warnings)
+    warnings += fmt::format(
+        "{}\n    {{\"kind\": {}, \"count\": {}, \"first_step\": {}, \"worst\": {}, \"level\": {}, \"text\": {}}}",
+        warnings.empty() ? "" : ",", json_string(w.kind), w.count, w.first_step, Object::number(w.worst),
+        Object::number(w.level), json_string(w.text));
+  o.raw("warnings", warnings.empty() ? "[]" : "[" + warnings + "\n  ]");
   o.add("state_hash", fmt::format("{:016x}", s.state_hash));
   return o.take();
 }

@@ -16,6 +16,12 @@ struct Summary {
     std::int64_t calls = 0;
     double seconds = 0;  ///< summed over threads
   };
+  /// What the run-time monitor has seen; one entry per kind.
+  struct Alert {
+    std::string kind, text;  ///< text: of the first time
+    std::int64_t first_step = 0, count = 0;
+    double worst = 0, level = 0;
+  };
   std::string title, scene_file, version, status = "finished";  ///< status: finished, interrupted, failed: <message>
   std::int64_t particles = 0, steps = 0;                        ///< at the end; steps executed by this call
   std::int64_t first_step = 0, last_step = 0;
@@ -38,6 +44,7 @@ struct Summary {
   int threads = 0, chunk = 0;
   std::uint64_t seed = 0;
   std::optional<double> kinetic_energy, potential_energy, elastic_energy, dissipated_energy;  ///< [J]
+  std::vector<Alert> warnings;
   std::uint64_t state_hash = 0;
 };
 
