@@ -141,19 +141,31 @@ struct Scalar {
   TALUS_INLINE static R4 low4(const R8& a) { return {{a.v[0], a.v[1], a.v[2], a.v[3]}}; }
   /// (x*x + y*y) + z*z of lanes 0..2.
   TALUS_INLINE static double norm3(const R4& a) { return (a.v[0] * a.v[0] + a.v[1] * a.v[1]) + a.v[2] * a.v[2]; }
-  // Pair search in float32, F lanes.
-  static constexpr int F = 1;
-  /// Bit k set where candidate k (of up to F) lies within the summed reach: |x - q|^2 < (r + q_r)^2.
-  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy,
-                                     const float* qz, const float* qr) {
-    const float dx = x - *qx, dy = y - *qy, dz = z - *qz, s = r + *qr;
-    return (dx * dx + dy * dy) + dz * dz < s * s ? 1U : 0U;
+  // Pair search: groups of F float candidates and their tags (see kernels/search.hpp).
+  static constexpr int F = 1;  ///< float lanes
+  using FB = float;
+  using IB = std::int32_t;
+  TALUS_INLINE static FB fset(float a) { return a; }
+  TALUS_INLINE static FB fload(const float* p) { return *p; }
+  TALUS_INLINE static FB fadd(FB a, FB b) { return a + b; }
+  TALUS_INLINE static FB fsub(FB a, FB b) { return a - b; }
+  TALUS_INLINE static FB fmul(FB a, FB b) { return a * b; }
+  TALUS_INLINE static FB fmax(FB a, FB b) { return a > b ? a : b; }
+  TALUS_INLINE static unsigned flt(FB a, FB b) { return a < b ? 1U : 0U; }
+  TALUS_INLINE static IB iset(std::int32_t a) { return a; }
+  TALUS_INLINE static IB iload(const std::int32_t* p) { return *p; }
+  TALUS_INLINE static void istore(std::int32_t* p, IB a) { *p = a; }
+  TALUS_INLINE static IB iadd(IB a, IB b) { return a + b; }
+  TALUS_INLINE static unsigned ilt(IB a, IB b) { return a < b ? 1U : 0U; }
+  /// As unsigned numbers.
+  TALUS_INLINE static unsigned igtu(IB a, IB b) {
+    return static_cast<std::uint32_t>(a) > static_cast<std::uint32_t>(b) ? 1U : 0U;
   }
-  TALUS_INLINE static unsigned index_gt(const std::int32_t* j, std::int32_t i) { return *j > i ? 1U : 0U; }
-  TALUS_INLINE static int compress_i32(std::int32_t* out, const std::int32_t* src, unsigned m) {
-    *out = *src;
-    return static_cast<int>(m & 1U);
-  }
+  /// Stores the lanes set in m next to each other; up to F lanes behind them may be overwritten.
+  TALUS_INLINE static void keep(float* out, FB v, unsigned m) { *out = v; }
+  TALUS_INLINE static void keep(std::int32_t* out, IB v, unsigned m) { *out = v; }
+  static constexpr int k_sorted = 1;  ///< entries that sort_small() can sort
+  TALUS_INLINE static void sort_small(std::int32_t*, int) {}
 };
 
 #ifdef __SSE2__
@@ -288,26 +300,56 @@ struct Sse2 {
     return (_mm_cvtsd_f64(q) + _mm_cvtsd_f64(_mm_unpackhi_pd(q, q))) + _mm_cvtsd_f64(_mm_mul_sd(a.v[1], a.v[1]));
   }
   static constexpr int F = 4;
-  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy,
-                                     const float* qz, const float* qr) {
-    const __m128 dx = _mm_sub_ps(_mm_set1_ps(x), _mm_loadu_ps(qx)), dy = _mm_sub_ps(_mm_set1_ps(y), _mm_loadu_ps(qy));
-    const __m128 dz = _mm_sub_ps(_mm_set1_ps(z), _mm_loadu_ps(qz)), s = _mm_add_ps(_mm_set1_ps(r), _mm_loadu_ps(qr));
-    const __m128 d2 = _mm_add_ps(_mm_add_ps(_mm_mul_ps(dx, dx), _mm_mul_ps(dy, dy)), _mm_mul_ps(dz, dz));
-    return static_cast<unsigned>(_mm_movemask_ps(_mm_cmplt_ps(d2, _mm_mul_ps(s, s))));
+  using FB = __m128;
+  using IB = __m128i;
+  TALUS_INLINE static FB fset(float a) { return _mm_set1_ps(a); }
+  TALUS_INLINE static FB fload(const float* p) { return _mm_loadu_ps(p); }
+  TALUS_INLINE static FB fadd(FB a, FB b) { return _mm_add_ps(a, b); }
+  TALUS_INLINE static FB fsub(FB a, FB b) { return _mm_sub_ps(a, b); }
+  TALUS_INLINE static FB fmul(FB a, FB b) { return _mm_mul_ps(a, b); }
+  TALUS_INLINE static FB fmax(FB a, FB b) { return _mm_max_ps(a, b); }
+  TALUS_INLINE static unsigned flt(FB a, FB b) { return static_cast<unsigned>(_mm_movemask_ps(_mm_cmplt_ps(a, b))); }
+  TALUS_INLINE static IB iset(std::int32_t a) { return _mm_set1_epi32(a); }
+  TALUS_INLINE static IB iload(const std::int32_t* p) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p)); }
+  TALUS_INLINE static void istore(std::int32_t* p, IB a) { _mm_storeu_si128(reinterpret_cast<__m128i*>(p), a); }
+  TALUS_INLINE static IB iadd(IB a, IB b) { return _mm_add_epi32(a, b); }
+  TALUS_INLINE static unsigned ilt(IB a, IB b) {
+    return static_cast<unsigned>(_mm_movemask_ps(_mm_castsi128_ps(_mm_cmplt_epi32(a, b))));
   }
-  TALUS_INLINE static unsigned index_gt(const std::int32_t* j, std::int32_t i) {
-    return static_cast<unsigned>(_mm_movemask_ps(
-        _mm_castsi128_ps(_mm_cmpgt_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(j)), _mm_set1_epi32(i)))));
+  TALUS_INLINE static unsigned igtu(IB a, IB b) {
+    const __m128i s = _mm_set1_epi32(INT32_MIN);
+    return ilt(_mm_xor_si128(b, s), _mm_xor_si128(a, s));
   }
-  TALUS_INLINE static int compress_i32(std::int32_t* out, const std::int32_t* src, unsigned m) {
-    int n = 0;
-    for (; m != 0; m &= m - 1) out[n++] = src[__builtin_ctz(m)];
-    return n;
+  TALUS_INLINE static void keep(std::int32_t* out, IB v, unsigned m) {
+    alignas(16) std::int32_t t[4];
+    _mm_store_si128(reinterpret_cast<__m128i*>(t), v);
+    for (; m != 0; m &= m - 1) *out++ = t[__builtin_ctz(m)];
   }
+  TALUS_INLINE static void keep(float* out, FB v, unsigned m) {
+    alignas(16) float t[4];
+    _mm_store_ps(t, v);
+    for (; m != 0; m &= m - 1) *out++ = t[__builtin_ctz(m)];
+  }
+  static constexpr int k_sorted = 1;
+  TALUS_INLINE static void sort_small(std::int32_t*, int) {}
 };
 #endif
 
 #ifdef __AVX2__
+/// Lanes to keep for each mask of eight: byte k holds the lane of the k-th set bit.
+struct LaneTable {
+  std::uint64_t lanes[256];
+};
+constexpr LaneTable make_lane_table() {
+  LaneTable t{};
+  for (unsigned m = 0; m < 256; ++m) {
+    int n = 0;
+    for (unsigned k = 0; k < 8; ++k)
+      if ((m >> k) & 1U) t.lanes[m] |= static_cast<std::uint64_t>(k) << (8 * n++);
+  }
+  return t;
+}
+
 struct Avx2 {
   static constexpr int W = 4;
   static constexpr const char* name = "avx2";
@@ -419,23 +461,58 @@ struct Avx2 {
     return (_mm_cvtsd_f64(l) + _mm_cvtsd_f64(_mm_unpackhi_pd(l, l))) + _mm_cvtsd_f64(_mm256_extractf128_pd(q, 1));
   }
   static constexpr int F = 8;
-  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy,
-                                     const float* qz, const float* qr) {
-    const __m256 dx = _mm256_sub_ps(_mm256_set1_ps(x), _mm256_loadu_ps(qx)),
-                 dy = _mm256_sub_ps(_mm256_set1_ps(y), _mm256_loadu_ps(qy));
-    const __m256 dz = _mm256_sub_ps(_mm256_set1_ps(z), _mm256_loadu_ps(qz)),
-                 s = _mm256_add_ps(_mm256_set1_ps(r), _mm256_loadu_ps(qr));
-    const __m256 d2 = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(dx, dx), _mm256_mul_ps(dy, dy)), _mm256_mul_ps(dz, dz));
-    return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(d2, _mm256_mul_ps(s, s), _CMP_LT_OQ)));
+  using FB = __m256;
+  using IB = __m256i;
+  TALUS_INLINE static FB fset(float a) { return _mm256_set1_ps(a); }
+  TALUS_INLINE static FB fload(const float* p) { return _mm256_loadu_ps(p); }
+  TALUS_INLINE static FB fadd(FB a, FB b) { return _mm256_add_ps(a, b); }
+  TALUS_INLINE static FB fsub(FB a, FB b) { return _mm256_sub_ps(a, b); }
+  TALUS_INLINE static FB fmul(FB a, FB b) { return _mm256_mul_ps(a, b); }
+  TALUS_INLINE static FB fmax(FB a, FB b) { return _mm256_max_ps(a, b); }
+  TALUS_INLINE static unsigned flt(FB a, FB b) {
+    return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LT_OQ)));
   }
-  TALUS_INLINE static unsigned index_gt(const std::int32_t* j, std::int32_t i) {
-    return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(
-        _mm256_cmpgt_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(j)), _mm256_set1_epi32(i)))));
+  TALUS_INLINE static IB iset(std::int32_t a) { return _mm256_set1_epi32(a); }
+  TALUS_INLINE static IB iload(const std::int32_t* p) {
+    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p));
   }
-  TALUS_INLINE static int compress_i32(std::int32_t* out, const std::int32_t* src, unsigned m) {
-    int n = 0;
-    for (; m != 0; m &= m - 1) out[n++] = src[__builtin_ctz(m)];
-    return n;
+  TALUS_INLINE static void istore(std::int32_t* p, IB a) { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), a); }
+  TALUS_INLINE static IB iadd(IB a, IB b) { return _mm256_add_epi32(a, b); }
+  TALUS_INLINE static unsigned ilt(IB a, IB b) {
+    return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(b, a))));
+  }
+  TALUS_INLINE static unsigned igtu(IB a, IB b) {
+    const __m256i s = _mm256_set1_epi32(INT32_MIN);
+    return ilt(_mm256_xor_si256(b, s), _mm256_xor_si256(a, s));
+  }
+  static constexpr LaneTable lane_table = make_lane_table();
+  TALUS_INLINE static __m256i packing(unsigned m) {
+    return _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(lane_table.lanes + m)));
+  }
+  TALUS_INLINE static void keep(float* out, FB v, unsigned m) {
+    _mm256_storeu_ps(out, _mm256_permutevar8x32_ps(v, packing(m)));
+  }
+  TALUS_INLINE static void keep(std::int32_t* out, IB v, unsigned m) {
+    istore(out, _mm256_permutevar8x32_epi32(v, packing(m)));
+  }
+  static constexpr int k_sorted = 8;
+  /// Bitonic network over 8 entries; those from n on become INT32_MAX.
+  TALUS_INLINE static void sort_small(std::int32_t* p, int n) {
+    const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    __m256i v = _mm256_blendv_epi8(_mm256_set1_epi32(INT32_MAX), iload(p), _mm256_cmpgt_epi32(iset(n), lane));
+    __m256i q = _mm256_shuffle_epi32(v, 0xb1);
+    v = _mm256_blend_epi32(_mm256_min_epi32(v, q), _mm256_max_epi32(v, q), 0x66);
+    q = _mm256_shuffle_epi32(v, 0x4e);
+    v = _mm256_blend_epi32(_mm256_min_epi32(v, q), _mm256_max_epi32(v, q), 0x3c);
+    q = _mm256_shuffle_epi32(v, 0xb1);
+    v = _mm256_blend_epi32(_mm256_min_epi32(v, q), _mm256_max_epi32(v, q), 0x5a);
+    q = _mm256_permute4x64_epi64(v, 0x4e);
+    v = _mm256_blend_epi32(_mm256_min_epi32(v, q), _mm256_max_epi32(v, q), 0xf0);
+    q = _mm256_shuffle_epi32(v, 0x4e);
+    v = _mm256_blend_epi32(_mm256_min_epi32(v, q), _mm256_max_epi32(v, q), 0xcc);
+    q = _mm256_shuffle_epi32(v, 0xb1);
+    v = _mm256_blend_epi32(_mm256_min_epi32(v, q), _mm256_max_epi32(v, q), 0xaa);
+    istore(p, v);
   }
 };
 #endif
@@ -561,21 +638,61 @@ struct Avx512 {
     return (_mm_cvtsd_f64(l) + _mm_cvtsd_f64(_mm_unpackhi_pd(l, l))) + _mm_cvtsd_f64(_mm256_extractf128_pd(q, 1));
   }
   static constexpr int F = 16;
-  TALUS_INLINE static unsigned reach(float x, float y, float z, float r, const float* qx, const float* qy,
-                                     const float* qz, const float* qr) {
-    const __m512 dx = _mm512_sub_ps(_mm512_set1_ps(x), _mm512_loadu_ps(qx)),
-                 dy = _mm512_sub_ps(_mm512_set1_ps(y), _mm512_loadu_ps(qy));
-    const __m512 dz = _mm512_sub_ps(_mm512_set1_ps(z), _mm512_loadu_ps(qz)),
-                 s = _mm512_add_ps(_mm512_set1_ps(r), _mm512_loadu_ps(qr));
-    const __m512 d2 = _mm512_add_ps(_mm512_add_ps(_mm512_mul_ps(dx, dx), _mm512_mul_ps(dy, dy)), _mm512_mul_ps(dz, dz));
-    return _mm512_cmp_ps_mask(d2, _mm512_mul_ps(s, s), _CMP_LT_OQ);
+  using FB = __m512;
+  using IB = __m512i;
+  TALUS_INLINE static FB fset(float a) { return _mm512_set1_ps(a); }
+  TALUS_INLINE static FB fload(const float* p) { return _mm512_loadu_ps(p); }
+  TALUS_INLINE static FB fadd(FB a, FB b) { return _mm512_add_ps(a, b); }
+  TALUS_INLINE static FB fsub(FB a, FB b) { return _mm512_sub_ps(a, b); }
+  TALUS_INLINE static FB fmul(FB a, FB b) { return _mm512_mul_ps(a, b); }
+  TALUS_INLINE static FB fmax(FB a, FB b) { return _mm512_max_ps(a, b); }
+  TALUS_INLINE static unsigned flt(FB a, FB b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
+  TALUS_INLINE static IB iset(std::int32_t a) { return _mm512_set1_epi32(a); }
+  TALUS_INLINE static IB iload(const std::int32_t* p) { return _mm512_loadu_si512(p); }
+  TALUS_INLINE static void istore(std::int32_t* p, IB a) { _mm512_storeu_si512(p, a); }
+  TALUS_INLINE static IB iadd(IB a, IB b) { return _mm512_add_epi32(a, b); }
+  TALUS_INLINE static unsigned ilt(IB a, IB b) { return _mm512_cmplt_epi32_mask(a, b); }
+  TALUS_INLINE static unsigned igtu(IB a, IB b) { return _mm512_cmpgt_epu32_mask(a, b); }
+  TALUS_INLINE static void keep(float* out, FB v, unsigned m) {
+    _mm512_storeu_ps(out, _mm512_maskz_compress_ps(static_cast<__mmask16>(m), v));
   }
-  TALUS_INLINE static unsigned index_gt(const std::int32_t* j, std::int32_t i) {
-    return _mm512_cmpgt_epi32_mask(_mm512_loadu_si512(j), _mm512_set1_epi32(i));
+  TALUS_INLINE static void keep(std::int32_t* out, IB v, unsigned m) {
+    istore(out, _mm512_maskz_compress_epi32(static_cast<__mmask16>(m), v));
   }
-  TALUS_INLINE static int compress_i32(std::int32_t* out, const std::int32_t* src, unsigned m) {
-    _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(static_cast<__mmask16>(m), _mm512_loadu_si512(src)));
-    return __builtin_popcount(m);
+  static constexpr int k_sorted = 16;
+  /// Exchange of one stage of a bitonic network: lanes set in `upper` keep the larger entry.
+  TALUS_INLINE static __m256i exchange(__m256i v, __m256i q, unsigned upper) {
+    return _mm256_mask_max_epi32(_mm256_min_epi32(v, q), static_cast<__mmask8>(upper), v, q);
+  }
+  TALUS_INLINE static __m512i exchange(__m512i v, __m512i q, unsigned upper) {
+    return _mm512_mask_max_epi32(_mm512_min_epi32(v, q), static_cast<__mmask16>(upper), v, q);
+  }
+  /// Bitonic network over 8 or 16 entries; those from n on become INT32_MAX.
+  TALUS_INLINE static void sort_small(std::int32_t* p, int n) {
+    const __m512i top = _mm512_set1_epi32(INT32_MAX);
+    __m512i v = _mm512_mask_loadu_epi32(top, static_cast<__mmask16>((1U << n) - 1U), p);
+    if (n <= 8) {
+      __m256i h = _mm512_castsi512_si256(v);
+      h = exchange(h, _mm256_shuffle_epi32(h, 0xb1), 0x66);
+      h = exchange(h, _mm256_shuffle_epi32(h, 0x4e), 0x3c);
+      h = exchange(h, _mm256_shuffle_epi32(h, 0xb1), 0x5a);
+      h = exchange(h, _mm256_permute4x64_epi64(h, 0x4e), 0xf0);
+      h = exchange(h, _mm256_shuffle_epi32(h, 0x4e), 0xcc);
+      h = exchange(h, _mm256_shuffle_epi32(h, 0xb1), 0xaa);
+      istore(p, _mm512_inserti64x4(top, h, 0));
+      return;
+    }
+    v = exchange(v, _mm512_shuffle_epi32(v, _MM_PERM_CDAB), 0x6666);
+    v = exchange(v, _mm512_shuffle_epi32(v, _MM_PERM_BADC), 0x3c3c);
+    v = exchange(v, _mm512_shuffle_epi32(v, _MM_PERM_CDAB), 0x5a5a);
+    v = exchange(v, _mm512_shuffle_i32x4(v, v, 0xb1), 0x0ff0);
+    v = exchange(v, _mm512_shuffle_epi32(v, _MM_PERM_BADC), 0x33cc);
+    v = exchange(v, _mm512_shuffle_epi32(v, _MM_PERM_CDAB), 0x55aa);
+    v = exchange(v, _mm512_shuffle_i32x4(v, v, 0x4e), 0xff00);
+    v = exchange(v, _mm512_shuffle_i32x4(v, v, 0xb1), 0xf0f0);
+    v = exchange(v, _mm512_shuffle_epi32(v, _MM_PERM_BADC), 0xcccc);
+    v = exchange(v, _mm512_shuffle_epi32(v, _MM_PERM_CDAB), 0xaaaa);
+    istore(p, v);
   }
 };
 #endif

@@ -101,23 +101,38 @@ struct IntegrateArgs {
   std::int32_t unstable_row;  ///< a row whose stiffness sum breaks the bound, or -1
 };
 
-/// Broad phase of rows [lo, hi): sorted candidate rows, each pair once per owner, in three sections.
+/// Levels of the hierarchical cell grid: each particle lives in the level of its reach.
+inline constexpr int k_max_levels = 8;
+
+/// Cells of one level; cell (x, y, z) is first_cell + (z * n[1] + y) * n[0] + x.
+struct GridLevel {
+  std::int32_t n[3];        ///< cells per axis
+  std::int32_t first_cell;  ///< in SearchArgs::start
+  double inverse[3];        ///< cells per metre
+  double top;               ///< largest inflated reach of the level's particles [m]
+};
+
+/// Broad phase of rows [lo, hi): sorted candidate rows, each pair once per owner, in three sections. Every array that
+/// is written has 16 entries of slack behind its capacity.
 struct SearchArgs {
-  // cell-sorted particles, padded by 16
+  // particles sorted by cell, padded by 16
   const float *x, *y, *z, *r;  ///< coordinates [m, relative to the domain's lower corner] and inflated reaches
   const std::int32_t* row;     ///< storage rows
-  const std::int32_t* start;   ///< [cells + 1] first sorted position of each cell; cell = rank * n[0] + cx
-  const std::int32_t* rank;    ///< [n[2] * n[1]] Morton rank of pencil (cy, cz)
-  std::int32_t n[3];           ///< cells per axis
-  double inverse[3];           ///< cells per metre
-  float period[3];             ///< domain size on periodic axes, 0 elsewhere
-  const double* p;             ///< position rows of the particles
-  const float* reach;          ///< [rows] inflated reach by storage row
-  const std::uint8_t* fixed;   ///< [rows] or null: pairs of two fixed rows are left out
-  std::int32_t lo, hi;         ///< rows of the chunk
-  std::int32_t next;           ///< first row not searched yet (in: lo; out: hi, or where capacity ran out)
-  std::int32_t* scratch;       ///< [scratch_capacity + 16] one row's candidates
-  std::int32_t scratch_capacity;
+  const std::int32_t* start;   ///< [cells + 1] first sorted position of each cell
+  const GridLevel* level;      ///< [levels]
+  int levels;
+  double period[3];           ///< domain size on periodic axes, 0 elsewhere
+  const double* p;            ///< position rows of the particles
+  const float* reach;         ///< [rows] inflated reach by storage row
+  const std::uint8_t* fixed;  ///< [rows] or null: pairs of two fixed rows are left out
+  float group_extent;         ///< rows searched together lie in a box of this edge, in reaches
+  float group_ratio;          ///< and their reaches differ at most by this factor
+  std::int32_t lo, hi;        ///< rows of the chunk
+  std::int32_t next;          ///< first row not searched yet (in: lo; out: hi, or where capacity ran out)
+  // buffers of one group of rows: candidates and the hits of one row
+  float *cx, *cy, *cz, *cr;
+  std::int32_t *tag, *hits;
+  std::int32_t candidate_capacity;
   std::int32_t *si[3], *sj[3];         ///< sections lower, interior, higher: own row, partner row
   std::int64_t count[3], capacity[3];  ///< filled and available entries per section
 };

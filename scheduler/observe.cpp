@@ -268,16 +268,15 @@ std::int64_t audit_lists(const World& w) {
 std::size_t bytes_of(const World& w) {
   const auto size = [](const auto& c) { return c.capacity() * sizeof(c[0]); };
   std::size_t b = size(w.p) + size(w.p2) + size(w.v) + size(w.v2) + size(w.x0) + size(w.id) + size(w.material) +
-                  size(w.fixed) + size(w.group) + size(w.energy) + size(w.key) + size(w.order) + size(w.sx) +
-                  size(w.sy) + size(w.sz) + size(w.sr) + size(w.reach) + size(w.sorted_row) + size(w.cell_start) +
-                  size(w.pencil_rank) + w.scratch.bytes();
+                  size(w.fixed) + size(w.group) + size(w.energy) + size(w.cell_of_row) + size(w.place_in_cell) +
+                  size(w.sx) + size(w.sy) + size(w.sz) + size(w.sr) + size(w.reach) + size(w.sorted_row) +
+                  size(w.cell_start) + w.list_scratch.bytes() + w.scratch.bytes();
   if (w.has.walls) b += w.walls.bytes();
   for (const auto& c : w.chunks) {
     b += size(c->pi) + size(c->pj) + size(c->mask) + size(c->wall_row) + size(c->wall_begin) + size(c->wall_element) +
-         size(c->wall_state) + size(c->wall_next) + size(c->wall_force) + size(c->wall_point) + size(c->carried.i) +
-         size(c->carried.j) + size(c->out);
-    for (int k = 0; k < k_max_history; ++k) b += size(c->h[k]) + size(c->carried.h[k]);
-    for (const auto& q : c->build) b += size(q);
+         size(c->wall_state) + size(c->wall_next) + size(c->wall_force) + size(c->wall_point) + size(c->distributed) +
+         size(c->out);
+    for (int k = 0; k < k_max_history; ++k) b += size(c->h[k]);
   }
   return b;
 }

@@ -181,16 +181,16 @@ void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, co
     std::sort(v.begin(), v.end(), [](const Item& l, const Item& r) {
       return std::tie(l.section, l.i, l.j) < std::tie(r.section, r.i, r.j);
     });
-    CarriedContacts& c = w.chunks[k]->carried;
-    c.i.resize(v.size());
-    c.j.resize(v.size());
+    Chunk& c = *w.chunks[k];
+    c.distributed.resize(v.size() + 3);
     for (int q = 0; q < w.has.history_columns; ++q) c.h[q].resize(v.size() + k_pad);
-    c.end[0] = c.end[1] = c.end[2] = 0;
-    for (std::size_t s = 0; s < v.size(); ++s) {
-      c.i[s] = v[s].i;
-      c.j[s] = v[s].j;
-      for (int q = 0; q < w.has.history_columns; ++q) c.h[q][s] = v[s].flip && q < 3 ? -v[s].e->h[q] : v[s].e->h[q];
-      for (int section = v[s].section; section < 3; ++section) c.end[section] = static_cast<std::int64_t>(s) + 1;
+    std::size_t to = 0, s = 0;
+    for (int section = 0; section < 3; ++section) {
+      for (; s < v.size() && v[s].section == section; ++s) {
+        c.distributed[to++] = pair_key(v[s].i, v[s].j);
+        for (int q = 0; q < w.has.history_columns; ++q) c.h[q][s] = v[s].flip && q < 3 ? -v[s].e->h[q] : v[s].e->h[q];
+      }
+      c.distributed[to++] = ~std::uint64_t{0};
     }
     w.chunks[k]->wall_state.clear();
   }

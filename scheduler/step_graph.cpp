@@ -218,12 +218,11 @@ void sort_step(World& w) {
   NodeTimer timer(w, w.serial, Node::sort_epoch);
   check_finite(w);
   sort_epoch(w);
-  rebuild_step(w, true, true);
+  rebuild_step(w, true);
 }
 
-void rebuild_step(World& w, bool forced, bool distributed) {
+void rebuild_step(World& w, bool forced) {
   NodeTimer timer(w, w.serial, Node::rebuild);
-  if (!distributed) carry_from_lists(w);
   rebuild_lists(w);
   w.lists_valid = true;
   if (forced) {
@@ -310,7 +309,7 @@ void run_graph(World& w, std::int64_t target) {
           if (epoch)
             sort_step(w);
           else
-            rebuild_step(w, !expired, false);
+            rebuild_step(w, !expired);
         });
         // another number of chunks needs another graph
         if (!w.failed.load() && static_cast<int>(w.chunks.size()) == w.graph_chunks) std::get<0>(ports).try_put(Go());

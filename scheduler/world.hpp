@@ -17,8 +17,8 @@
 #include "core/types.hpp"
 #include "core/walls.hpp"
 #include "kernels/kernel_table.hpp"
-#include "scheduler/profile.hpp"
 #include "scheduler/monitor.hpp"
+#include "scheduler/profile.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus {
@@ -42,14 +42,6 @@ struct WallState {
   Row row = 0;
   WallContact contact;
   double h[k_max_history] = {0, 0, 0, 0};
-};
-
-/// Touching pairs in list order, as carried from one list to the next.
-struct CarriedContacts {
-  Column<std::int32_t> i, j;
-  std::int64_t end[3] = {0, 0, 0};
-  Column<double> h[k_max_history];
-  std::int64_t size() const noexcept { return end[2]; }
 };
 
 /// One undirected contact (a < b), as used by sort epochs, checkpoints and hashes; history oriented a - b.
@@ -77,7 +69,9 @@ struct Chunk {
   // contacts of the last step
   Column<double> h[k_max_history];
   std::int64_t contact_end[3] = {0, 0, 0};
-  CarriedContacts carried;  ///< filled only while a rebuild runs
+  /// Keys of the contacts that a sort epoch or a checkpoint has handed to this chunk, each section closed by a last
+  /// key; empty where the present list holds them.
+  Column<std::uint64_t> distributed;
   // walls
   Column<std::int32_t> wall_row;    ///< rows with candidates, ascending
   Column<std::int32_t> wall_begin;  ///< [rows + 1] into wall_element
@@ -97,9 +91,7 @@ struct Chunk {
   std::int64_t deep_wall = -1;  ///< wall contact deeper than allowed, or -1
   ChunkExtremes extremes;       ///< of a sampled step
   Scratch* scratch = nullptr;
-  // build buffers
-  Column<std::int32_t> build[6];
-  Column<std::int32_t> row_buffer;
+  Column<std::int32_t> row_buffer;  ///< the two rows of deep_slot
   double rebuild_seconds[static_cast<int>(RebuildPart::count)] = {};
 };
 
@@ -115,6 +107,32 @@ class ScratchPool {
   std::vector<std::unique_ptr<Scratch>> all_;
   std::vector<Scratch*> free_;
 };
+
+/// Buffers of one running list build; pooled, so that there are as many as threads.
+struct ListScratch {
+  Column<float> x, y, z, r;  ///< candidates of a group of rows
+  Column<std::int32_t> tag, hits;
+  Column<std::int32_t> build[6];   ///< sections before they are laid end to end: own row, partner row
+  Column<std::uint64_t> keys;      ///< touching pairs of the old list
+  std::vector<std::int64_t> lost;  ///< contacts that the new list lacks
+};
+
+class ListScratchPool {
+ public:
+  ListScratch* take();
+  void give(ListScratch* s);
+  std::size_t bytes() const;
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<ListScratch>> all_;
+  std::vector<ListScratch*> free_;
+};
+
+/// Key of a pair in list order.
+inline std::uint64_t pair_key(Row i, Row j) noexcept {
+  return static_cast<std::uint64_t>(static_cast<std::uint32_t>(i)) << 32 | static_cast<std::uint32_t>(j);
+}
 
 struct World {
   Scene scene;
@@ -149,19 +167,20 @@ struct World {
   Vec3 gravity;
   int chunk_size = 4096;
   std::vector<std::unique_ptr<Chunk>> chunks;
-  Chunk serial;          ///< stands for all rows in the timers of serial nodes
+  Chunk serial;  ///< stands for all rows in the timers of serial nodes
   NodeTimes times;
   int graph_chunks = 0;  ///< chunks the step graph was built for
   ScratchPool scratch;
 
   // broad phase
   SkinRule skin;
-  std::vector<std::uint32_t> key;
-  std::vector<std::int32_t> order;
-  Column<float> sx, sy, sz, sr, reach;
-  Column<std::int32_t> sorted_row;
-  std::vector<std::int32_t> cell_start, pencil_rank;
-  std::int32_t cells[3] = {0, 0, 0};
+  Column<float> reach;                              ///< by row: inflated reach [m]
+  Column<std::int32_t> cell_of_row, place_in_cell;  ///< by row
+  Column<float> sx, sy, sz, sr;                     ///< sorted by cell
+  Column<std::int32_t> sorted_row, cell_start;
+  GridLevel level[k_max_levels] = {};
+  int levels = 0;
+  ListScratchPool list_scratch;
 
   WallSet walls;  ///< positions relative to the domain's lower corner, like p
   std::unique_ptr<Insertion> insertion;
@@ -215,10 +234,10 @@ std::vector<WallState> collect_wall_states(const World& w);
 void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, const std::vector<WallState>& walls);
 std::uint64_t state_hash(const World& w);
 
-// --- rebuild.cpp --------------------------------------------------------------------------------------------------
-void sort_epoch(World& w);        ///< compacts and permutes rows into Morton order
-void carry_from_lists(World& w);  ///< chunk contacts -> chunk.carried
-void rebuild_lists(World& w);     ///< skins, cells, lists, history
+// --- rebuild.cpp, cell_grid.cpp, sort_epoch.cpp ---------------------------------------------------------------------
+void sort_epoch(World& w);     ///< compacts and permutes rows into Morton order
+void fill_cells(World& w);     ///< skins and cell grid
+void rebuild_lists(World& w);  ///< fill_cells, lists, history
 
 // --- chunk_work.cpp -----------------------------------------------------------------------------------------------
 void narrow_chunk(World& w, Chunk& c);
@@ -247,9 +266,8 @@ struct Decision {
 Decision check_step(World& w, std::int64_t target);  ///< failures, removals, displacement check
 void insert_step(World& w);                          ///< events and batches of the present step
 void sort_step(World& w);                            ///< sort epoch if the present step is one
-/// Rebuilds the lists. forced: not because of a displacement; distributed: a sort epoch has just handed the contacts to
-/// their chunks, otherwise they are carried over from the present lists.
-void rebuild_step(World& w, bool forced, bool distributed);
+/// Rebuilds the lists. forced: not because of a displacement.
+void rebuild_step(World& w, bool forced);
 void finish_step(World& w);                     ///< swaps buffers, reduces energies, advances n
 void run_graph(World& w, std::int64_t target);  ///< throws the first failure
 std::string graph_picture(const World& w);
