@@ -29,7 +29,7 @@ void prepare_lists(World& w) {
   check_step(w, w.step + 1);
   bool expired = !w.lists_valid || (w.has.moving_walls && w.walls.expired());
   for (const auto& c : w.chunks) expired = expired || c->expired != 0;
-  if (expired) rebuild_step(w, true, false);  // changes no result, and the next step finds its list fresh
+  if (expired) rebuild_step(w, true);  // changes no result, and the next step finds its list fresh
 }
 
 void record_contacts(World& w, std::vector<ContactRecord>& out, std::vector<std::pair<Row, Row>>& rows) {

@@ -5,7 +5,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
-#include "core/types.hpp"
+#include "scheduler/world.hpp"
 
 namespace talus {
 
@@ -18,14 +18,19 @@ void grow(Column<T>& c, std::size_t n) {
   }
 }
 
-/// Runs fn(block) for blocks 0..n-1 in parallel.
+/// Runs fn(block) for blocks 0..n-1 in parallel. Timed as a loop and its blocks.
 template <class F>
-void parallel(int n, F fn) {
+void parallel(World& w, int n, F fn) {
+  const NodeTimer loop(w, Timed::loop, -1);
+  const auto timed = [&](int k) {
+    const NodeTimer block(w, Timed::block, k);
+    fn(k);
+  };
   if (n == 1) {
-    fn(0);
+    timed(0);
     return;
   }
-  tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, n, fn, tbb::simple_partitioner{}); });
+  tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, n, timed, tbb::simple_partitioner{}); });
 }
 
 }  // namespace talus
