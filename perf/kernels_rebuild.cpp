@@ -21,12 +21,12 @@ struct PartCase {
   double bytes;  ///< per grain, without lists
   bool kernel;   ///< depends on the instruction set
 };
-// skin: P, V, V2 in, X0 and reach out. keys: P, reach in, reach, key, order out. sort: key by order, order in and out
-// in two passes. fill: order, P by order, key, reach in; four floats and a row out
+// skin: P, V, V2 in, X0 and reach out. keys: P, reach in, cell and place out, cell counts in and out. sort: cell counts
+// in and out. fill: P, reach, cell, place in; four floats and a row out
 constexpr PartCase k_parts[] = {{RebuildPart::skin, "rebuild_skin", 32 + 64 + 64 + 32 + 4, false},
-                                {RebuildPart::keys, "rebuild_keys", 32 + 8 + 8, false},
-                                {RebuildPart::sort, "rebuild_sort", 2 * (4 + 4 + 4 + 4 + 4), false},
-                                {RebuildPart::fill, "rebuild_fill", 4 + 32 + 8 + 20, false},
+                                {RebuildPart::keys, "rebuild_keys", 32 + 4 + 8 + 4, false},
+                                {RebuildPart::sort, "rebuild_sort", 4, false},
+                                {RebuildPart::fill, "rebuild_fill", 32 + 4 + 8 + 20, false},
                                 {RebuildPart::search, "rebuild_search", 32 + 4 + 20, true},
                                 {RebuildPart::history, "rebuild_history", 0, false}};
 
@@ -39,11 +39,9 @@ void run_part(benchmark::State& state, const KernelTable& t, bool large, const P
     bytes += (16 + 0.125) * b.candidates / b.particles + (16 + 16 * w.has.history_columns) * b.contacts / b.particles;
   const auto body = [&](const KernelTable& k) {
     w.kernels = &k;
-    const double before = part_ns(w, p.part), begin = wall_ns();
-    carry_from_lists(w);
-    const double carry = wall_ns() - begin;
+    const double before = part_ns(w, p.part);
     rebuild_lists(w);
-    return part_ns(w, p.part) - before + (p.part == RebuildPart::history ? carry : 0);
+    return part_ns(w, p.part) - before;
   };
   measure(state, t, {std::string(p.name) + size_name(large), b.particles, bytes, p.kernel}, body);
   state.SetLabel("per grain, " + std::to_string(b.candidates / b.particles) + " pairs found");
@@ -51,11 +49,10 @@ void run_part(benchmark::State& state, const KernelTable& t, bool large, const P
 
 void run_rebuild(benchmark::State& state, const KernelTable& t, bool large) {
   Bed& b = Bed::get(large);
-  const double bytes = 196 + 48 + 40 + 64 + 56 + 24 * b.candidates / b.particles +
+  const double bytes = 196 + 48 + 4 + 64 + 56 + 24 * b.candidates / b.particles +
                        (16 + 16 * b.w.has.history_columns) * b.contacts / b.particles;
   measure(state, t, {std::string("rebuild") + size_name(large), b.particles, bytes}, [&](const KernelTable& k) {
     b.w.kernels = &k;
-    carry_from_lists(b.w);
     rebuild_lists(b.w);
   });
   state.SetLabel("per grain, all parts");
