@@ -90,12 +90,13 @@ def measure(engine, scene, settings, progress):
         else:
             judged, first = scene.judge(setting, outcomes), outcomes[0]
             row.update(error=judged.error, error_half_width=judged.half, note=judged.note, missed_contacts=first.missed,
-                       audited_steps=first.audited if setting.code == "talus" else None, rebuilds=first.rebuilds,
+                       audited_steps=first.audited if first.missed is not None else None, rebuilds=first.rebuilds,
                        state_hash=first.hash, energy_residual=first.energy if scene.energy_counts else None)
             timed.append((row, (setting.code, p, setting.peer, first)))
             shown = f"error {judged.error:.2e}"
         rows.append(row)
         progress.step(f"{scene.name}: {setting.label}: {shown}")
+    scene.finish(rows)
     clocks = engine.time([t[1] for t in timed], lambda n: progress.step(f"{scene.name}: {n} settings timed", n))
     differs = []
     for (row, _), (median, low, high, steps, code_hash, load) in zip(timed, clocks):
@@ -146,7 +147,7 @@ def write_tables(folder, results, facts):
             out.writerows(r["rows"])
     with open(path + ".json", "w") as f:
         json.dump({"facts": facts, "scenes": results}, f, indent=1, allow_nan=False,
-                  default=lambda v: v.item() if hasattr(v, "item") else str(v))
+                  default=lambda v: v.item())  # numpy scalars
 
 
 def finite(rows):
@@ -174,7 +175,7 @@ def main():
         rows, differs = measure(engine, scene, settings, progress)
         failed, held = findings.claims(scene, settings, rows)
         wrong += failed + differs
-        results.append({"name": scene.name, "title": scene.title, "norm": scene.norm, "reference": scene.reference,
+        results.append({"name": scene.name, "title": scene.title, "seeds": len(scene.seeds), "norm": scene.norm, "reference": scene.reference,
                         "kind": scene.kind, "notes": scene.notes + scene.limits, "held": held, "wrong": failed + differs, "rows": rows})
     with open("/proc/cpuinfo") as f:
         model = re.search(r"model name\s*: (.*)", f.read())
@@ -198,7 +199,8 @@ def print_advice(results):
         print(f"\n{r['title']}: cheapest setting")
         for tolerance, best, ours in findings.advice(r["rows"]):
             print(f"  {100 * tolerance:g} %: {findings.describe(best)}" + (f"; Talus: {findings.describe(ours)}" if best is not ours else ""))
-
+        if r["kind"] == "bulk":
+            print(f"  {findings.statistics(r['rows'], r['seeds'])}")
 
 
 if __name__ == "__main__":

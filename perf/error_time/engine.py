@@ -94,7 +94,7 @@ class Engine:
         path = os.path.join(self.cache, f"{key}-{audit}.npz")
         if not os.path.exists(path):
             self.ran += 1
-            outcome = self.observed(code, p, folder, command, audit, may_stop)
+            outcome = self.observed(code, p, folder, command, audit, may_stop, "every" in (peer or {}))
             facts = {k: v for k, v in dataclasses.asdict(outcome).items() if k != "frames"}
             with open(path + ".part", "wb") as f:
                 np.savez(f, facts=json.dumps(facts), **{str(s): x for s, x in outcome.frames.items()})
@@ -104,7 +104,7 @@ class Engine:
             facts = json.loads(str(z["facts"]))
             return Outcome(frames={int(k): z[k] for k in z.files if k != "facts"}, **facts)
 
-    def observed(self, code, p, folder, command, audit, may_stop):
+    def observed(self, code, p, folder, command, audit, may_stop, unchecked):
         whole = audit == p.steps
         done = execute(command + (["--audit"] if whole and audit else []), folder)
         if code != "talus":
@@ -112,8 +112,11 @@ class Engine:
                 if may_stop:
                     return Outcome(p.steps, {}, stopped=tail(done.stdout, 1))
                 raise failed(command, folder, done)
-            return Outcome(p.steps, peers.read_dump(os.path.join(folder, "dump.txt"), len(p.grains)),
-                           wall=clock.seconds_of(code, done.stdout)[0])
+            outcome = Outcome(p.steps, peers.read_dump(os.path.join(folder, "dump.txt"), len(p.grains)),
+                              wall=clock.seconds_of(code, done.stdout)[0])
+            if unchecked:
+                outcome.missed, outcome.audited = peers.missed_contacts(folder, outcome.frames, p), p.frames
+            return outcome
         if done.returncode:
             if may_stop and done.returncode in (3, 4):
                 reason = [line for line in done.stdout.splitlines() if "error" in line]

@@ -62,7 +62,7 @@ def section(r):
     out += [f"<p class=good>Holds: {html.escape(s)}.</p>" for s in r["held"]]
     out += [f"<p class=bad>Does not hold: {html.escape(s)}</p>" for s in r["wrong"]]
     out += [f"<p class=small>{html.escape(s)}</p>" for s in r["notes"]]
-    out += [orders(r["rows"]), softening(r["rows"]), table(r["rows"]), advice_list(r["rows"])]
+    out += [orders(r["rows"]), lists(r["rows"]), softening(r["rows"]), table(r["rows"]), advice_list(r)]
     return "\n".join(out)
 
 
@@ -115,6 +115,16 @@ def orders(rows):
     return f"<p>Order of the error in dt, from resolved points: {'; '.join(cells)}.</p>" if cells else ""
 
 
+def lists(rows):
+    """Run times of what cannot change the result, against the default at the same step."""
+    some = sorted((x for x in rows if x["family"] == LISTS and not x["stopped"]), key=lambda x: x["wall_s"])
+    base = next((x for x in rows if some and x["family"] == DEFAULT and x["steps_per_contact"] == some[0]["steps_per_contact"]), None)
+    if not base:
+        return ""
+    shown = "; ".join(f"{html.escape(x['label'])} {x['wall_s'] / base['wall_s']:.2f}" for x in some)
+    return f"<p>Same bits, run time against {html.escape(base['label'])} with the default list: {shown}.</p>"
+
+
 def softening(rows):
     soft = [x for x in rows if x["softening"] != 1]
     if not soft:
@@ -156,8 +166,8 @@ def table(rows):
             "</table></div></details>")
 
 
-def advice_list(rows):
-    out = []
+def advice_list(r):
+    out, rows = [], r["rows"]
     for tolerance, best, ours in findings.advice(rows):
         text = html.escape(findings.describe(best))
         if best is None:
@@ -167,7 +177,9 @@ def advice_list(rows):
         elif best is not ours:
             text += f"; with Talus: {html.escape(findings.describe(ours))}"
         out.append(f"<li>{100 * tolerance:g} %: {text}")
-    return "<p><b>Cheapest setting for an error of</b><ul>" + "".join(out) + "</ul>"
+    told = findings.statistics(rows, r["seeds"]) if r["kind"] == "bulk" else None
+    return ("<p><b>Cheapest setting for an error of</b><ul>" + "".join(out) + "</ul>" +
+            (f"<p>{html.escape(told)}</p>" if told else ""))
 
 
 def closing(results):
@@ -178,6 +190,9 @@ def closing(results):
             "<td style='text-align:left'>" + html.escape(findings.describe(best)) + (
                 "<br><span class=small>Talus: " + html.escape(findings.describe(ours)) + "</span>" if best is not ours else "")
             for _, best, ours in findings.advice(r["rows"])))
+        told = findings.statistics(r["rows"], r["seeds"]) if r["kind"] == "bulk" else None
+        if told:
+            body.append(f"<tr><td><td colspan={len(findings.TOLERANCES)} class=small style='text-align:left'>{html.escape(told)}")
     return ("<h2>Advice</h2><p>The cheapest measured setting whose error, with its interval, is below the tolerance; q in <i>dt q</i> is "
             "the number of steps per contact. <i>None</i> means that no point gets there, or that the seeds are too few to say so.</p>"
             f"<div class=wide><table>{head}{''.join(body)}</table></div>")

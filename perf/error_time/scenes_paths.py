@@ -122,12 +122,12 @@ class Sticking(PathScene):
             grains += [at + [0.010, 0, 0], at, at + [0.005, 2.7937481665e-5, 1.60053725e-3]]
             kind += [FIXED, FIXED, 0]
         self.grains = rows(np.array(grains))
-        self.kind = np.array(kind)
-        self.grains[:, 3] = np.where(self.kind == FIXED, 0.005, r)
+        self.sorts = np.array(kind)
+        self.grains[:, 3] = np.where(self.sorts == FIXED, 0.005, r)
         self.reference_q = self.steps_of(48, 192)
 
     def body(self, seed):
-        return {"grains": self.grains, "kind": self.kind, "lower": (-0.05, -0.05, -0.25), "upper": (0.03 * self.copies, 0.05, 0.05),
+        return {"grains": self.grains, "kind": self.sorts, "lower": (-0.05, -0.05, -0.25), "upper": (0.03 * self.copies, 0.05, 0.05),
                 "gravity": (0.0, 0.0, -9.81), "density": 2500.0, "overlapping": True}
 
     def horizon(self, doubt):
