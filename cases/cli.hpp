@@ -30,6 +30,7 @@ struct Options {
   std::optional<std::int64_t> steps;  ///< last step of the run, not the number still to do
   std::int64_t warm = 0;              ///< first steps that wall_s and the rate leave out
   std::int64_t checkpoint_every = 0;  ///< [steps]; 0: only at a signal or a failure
+  double calibrate = 1;               ///< [s] that check spends on measuring; 0: none
   RunOptions run;                     ///< threads, isa, chunk, profile
   bool quiet = false, json = false, overwrite = false;
 };

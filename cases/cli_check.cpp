@@ -1,6 +1,6 @@
-// `talus check SCENE`: is the scene valid, is its time step safe, how many particles and how much memory will it need.
-// Builds the engine for step 0 (so initial overlaps and particles outside are found) but runs nothing and writes
-// nothing.
+// `talus check SCENE`: is the scene valid, is its time step safe, how soft may its contacts be, which K suits it, and
+// how many particles, how much time and how much memory it will need. Builds the engine for step 0 (so initial overlaps
+// and particles outside are found) and runs its first steps for a second to measure their cost; writes nothing.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -8,8 +8,11 @@
 #include <cmath>
 
 #include "cases/cli.hpp"
+#include "cases/cli_check_cost.hpp"
 #include "cases/cli_json.hpp"
 #include "cases/cli_timestep.hpp"
+#include "cases/progress.hpp"
+#include "core/insertion.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus::cli {
@@ -40,18 +43,94 @@ std::int64_t most_to_come(const Scene& scene) {
 double physical_memory() {
   return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
+
+/// What can be said about a scene before it runs.
+struct Advice {
+  StepAdvice step;
+  Softening soft;
+  Cost cost;
+  double r_max = 0;
+  double k = 0;                           ///< 0: no rebuild was measured
+  double seconds = 0, seconds_dense = 0;  ///< predicted run time: at the measured cost, and if the bed is dense
+};
+
+Advice advise(const Scene& scene, const TimeStepReport& report, Simulation& simulation, std::int64_t to_come,
+              double calibrate) {
+  Advice a;
+  const Insertion sources(scene);
+  a.r_max = sources.largest_radius();
+  double fastest = 0;
+  for (const Vec3& v : simulation.frame({}).v) fastest = std::max(fastest, norm(v));
+  a.step = step_advice(report);
+  a.soft = softening(scene, a.r_max, fastest);
+  const std::int64_t present = simulation.particles();
+  a.cost = measure_cost(simulation, calibrate);
+  a.k = advised_k(a.cost, a.r_max, scene.dt);
+  // sources deliver over time: on average half of what they bring is there
+  const double particles = static_cast<double>(present) + 0.5 * static_cast<double>(to_come);
+  a.seconds = particles * static_cast<double>(scene.steps) * a.cost.per_particle_step;
+  a.seconds_dense = particles * static_cast<double>(scene.steps) * a.cost.dense;
+  return a;
+}
+
+std::string step_text(const Scene& scene, const StepAdvice& a) {
+  if (!std::isfinite(a.accurate) || !(a.accurate > 0)) return "no particle can ever appear";
+  return fmt::format(
+      "{:.3g} s ({:.3g} x the scene's): 20 steps per contact, within all limits; up to {:.3g} s even 12 "
+      "contacts per particle are surely stable",
+      a.accurate, a.accurate / scene.dt, a.row_sum);
+}
+
+std::string soft_text(const Scene& scene, const Softening& s) {
+  if (!(s.factor > 0)) return "nothing moves or weighs: no overlap to judge";
+  const bool linear = scene.contact.model == ContactModel::linear;
+  std::string text =
+      fmt::format("{} press contacts by about {:.2g} of the radius; ",
+                  s.by_impact ? fmt::format("impacts at {:.3g} m/s (the fastest that the scene lets expect)", s.speed)
+                              : fmt::format("a bed as high as the domain ({:.3g} N per contact)", s.load),
+                  s.overlap);
+  const std::string value =
+      linear ? fmt::format("normal_stiffness = {:.3g} N/m", s.factor * scene.contact.normal_stiffness)
+             : fmt::format("Young's moduli {:.3g} times as large", s.factor);
+  if (s.factor < 1)
+    text += fmt::format("{} would allow 1 % and a time step {:.2g} times as long", value, s.step_factor);
+  else
+    text += fmt::format("for at most 1 % take {} and a time step {:.2g} times as long", value, s.step_factor);
+  return text;
+}
+
+std::string k_text(const Scene& scene, const Advice& a) {
+  if (!(a.k > 0)) return fmt::format("{:g} as set: no rebuild was needed in the measured steps", scene.list.verlet_k);
+  return fmt::format(
+      "about {:.0f} (set: {:g}): sqrt(B R / (3 c v dt)) at rms {:.3g} m/s, rebuild {:.3g} ms, narrow phase "
+      "{:.3g} ms per step; the optimum is flat",
+      a.k, scene.list.verlet_k, a.cost.speed, 1e3 * a.cost.rebuild, 1e3 * a.cost.narrow);
+}
+
+std::string time_text(const Advice& a, int threads) {
+  std::string text = duration_text(a.seconds);
+  if (a.seconds_dense > 1.05 * a.seconds) text += " to " + duration_text(a.seconds_dense);
+  text += fmt::format(" on {} thread{}: ", threads, threads == 1 ? "" : "s");
+  if (!a.cost.stated.empty()) return text + a.cost.stated;
+  text += fmt::format("{:.3g} ns per particle-step in the first {} steps ({:.2g} contacts per particle)",
+                      1e9 * a.cost.per_particle_step, a.cost.steps, a.cost.contacts);
+  if (a.seconds_dense > 1.05 * a.seconds) text += fmt::format(", {:.3g} ns in a dense bed", 1e9 * a.cost.dense);
+  return text;
+}
+
 }  // namespace
 
 int check(const Options& options) {
   const Scene scene = scene_of(options);
   const TimeStepReport step = judge_time_step(scene);
-  const Simulation simulation(scene, options.run);
+  Simulation simulation(scene, options.run);
   const Plan plan = simulation.plan();
   const std::int64_t present = simulation.particles();
   const std::int64_t to_come = most_to_come(scene);
   // The engine holds what is there now; later particles cost what the present ones do, lists included.
   const double memory =
       static_cast<double>(simulation.bytes()) + static_cast<double>(to_come) * plan.bytes_per_particle;
+  const Advice advice = advise(scene, step, simulation, to_come, options.calibrate);
   const bool fits = memory < 0.9 * physical_memory();
   const std::string verdict = !fits
                                   ? "valid, but needs more memory than this machine has"
@@ -64,6 +143,17 @@ int check(const Options& options) {
     j.add("duration", scene.dt * static_cast<double>(scene.steps)).add("memory_bytes", memory);
     j.add("bytes_per_particle", plan.bytes_per_particle);
     add_time_step(j, step);
+    j.begin_object("advice").add("time_step", advice.step.accurate).add("time_step_row_sum", advice.step.row_sum);
+    j.add("overlap", advice.soft.overlap).add("overlap_by", advice.soft.by_impact ? "impact" : "weight");
+    j.add("stiffness_factor_for_one_percent", advice.soft.factor).add("time_step_factor", advice.soft.step_factor);
+    j.add("verlet_k", advice.k).end_object();
+    j.begin_object("predicted").add("seconds", advice.seconds).add("seconds_dense", advice.seconds_dense);
+    j.add("ns_per_particle_step", 1e9 * advice.cost.per_particle_step).add("measured_steps", advice.cost.steps);
+    j.add("contacts_per_particle", advice.cost.contacts).add("threads", plan.threads);
+    j.add("failure", advice.cost.failure).end_object();
+    j.begin_array("warnings");
+    for (const Warning& w : simulation.warnings()) j.add("", w.text);
+    j.end_array();
     fmt::print("{}\n", j.end_object().text());
     return 0;
   }
@@ -76,6 +166,12 @@ int check(const Options& options) {
   fmt::print("  memory      about {} ({:.0f} B per particle; this machine has {})\n", human_bytes(memory),
              plan.bytes_per_particle, human_bytes(physical_memory()));
   fmt::print("  time step\n{}", time_step_text(step));
+  fmt::print("  advice\n    time step  {}\n    stiffness  {}\n    verlet_k   {}\n", step_text(scene, advice.step),
+             soft_text(scene, advice.soft), k_text(scene, advice));
+  fmt::print("  run time    about {}\n", time_text(advice, plan.threads));
+  for (const Warning& w : simulation.warnings()) fmt::print(stderr, "talus: warning: {}\n", w.text);
+  if (!advice.cost.failure.empty())
+    fmt::print(stderr, "talus: warning: the run would end early: {}\n", advice.cost.failure);
   if (!step.warning.empty()) fmt::print(stderr, "talus: warning: {}\n", step.warning);
   fmt::print("{}: {}\n", scene.file, verdict);
   return 0;

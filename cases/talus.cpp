@@ -53,7 +53,8 @@ void add_run_options(CLI::App& app, Options& o) {
   app.add_option("--trace-from", o.trace_from, "first traced step (default: the first of this run)")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--trace-steps", o.trace_steps, "number of traced steps (default 200)")->check(CLI::PositiveNumber);
-  app.add_flag("--profile", o.run.profile, "print a table of the nodes: calls, time, share, imbalance; idle time of the threads");
+  app.add_flag("--profile", o.run.profile,
+               "print a table of the nodes: calls, time, share, imbalance; idle time of the threads");
   app.add_flag("--audit", o.run.audit, "check the list against brute force at every step (slow: N^2)");
   app.add_flag("--quiet", o.quiet, "no progress, no closing text");
   app.add_flag("--overwrite", o.overwrite, "replace the results of an earlier run in the same folder");
@@ -95,9 +96,12 @@ int main(int argc, char** argv) {
   add_run_options(*sub, o);
   sub->add_flag("--json", o.json, "print the summary as JSON");
 
-  sub = add("check", "validate a scene, its time step and its memory without running it", cli::check);
+  sub = add("check", "validate a scene; advise time step, stiffness and K; predict steps, run time and memory",
+            cli::check);
   add_scene_options(*sub, o);
   add_engine_options(*sub, o);
+  sub->add_option("--calibrate", o.calibrate, "seconds of first steps to measure their cost; 0 = none (default 1)")
+      ->check(CLI::Range(0.0, 60.0));
   sub->add_flag("--json", o.json, "machine-readable");
 
   sub = add("explain", "what the step of a scene consists of, what is left out and why", cli::explain);

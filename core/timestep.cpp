@@ -139,6 +139,25 @@ std::string line(const char* name, double dt, const TimeStepLimit& limit) {
   return fmt::format("{:<20} {:.4g} s, step is {:.3g} of it; {}", name, limit.seconds, dt / limit.seconds, limit.pair);
 }
 
+/// A wall that moves by more than a radius per step could pass a grain unseen. Returns a warning or nothing.
+std::string judge_walls(const Scene& scene, double r_min) {
+  std::string warning;
+  for (const WallSpec& w : scene.walls) {
+    const WallMotion& m = w.motion;
+    const double speed = std::sqrt(norm2(m.velocity)) + 2 * det::k_pi * m.frequency * std::sqrt(norm2(m.amplitude));
+    const double travel = speed * scene.dt / r_min;
+    if (!(travel > scene.monitor.warn_travel)) continue;
+    const std::string what = fmt::format(
+        "wall '{}' moves by up to {:.3g} of the smallest radius in one step ({:.4g} m/s)", w.name, travel, speed);
+    if (travel > scene.monitor.max_travel)
+      throw Error(ErrorCode::scene, what + ": it could pass particles unseen", scene.file,
+                  fmt::format("a time.step of at most {:.3g} s, or a larger checks.max_travel",
+                              scene.dt * scene.monitor.warn_travel / travel));
+    if (warning.empty()) warning = what;
+  }
+  return warning;
+}
+
 }  // namespace
 
 TimeStepReport time_step_limits(const Scene& scene, double r_min, double r_max, double speed) {
@@ -190,7 +209,55 @@ TimeStepReport time_step_limits(const Scene& scene, double r_min, double r_max, 
                                  scene.dt, 100 * report.share, by_rayleigh ? "Rayleigh" : "contact", shortest,
                                  (by_rayleigh ? report.rayleigh : report.contact).pair);
   }
+  const std::string walls = judge_walls(scene, r_min);
+  if (report.warning.empty()) report.warning = walls;
   return report;
+}
+
+Softening softening(const Scene& scene, double r_max, double speed) {
+  Softening s;
+  s.speed = fmax2(speed, scene_speed(scene));
+  if (!(r_max > 0)) return s;
+  constexpr double target = 0.01;  // overlap / radius
+  const Roles roles = roles_of(scene);
+  double heaviest = 0, compliance = 0;  // of the materials that particles can have
+  for (std::size_t a = 0; a < scene.materials.size(); ++a) {
+    const Material& m = scene.materials[a];
+    if (!roles.particle[a]) continue;
+    heaviest = fmax2(heaviest, m.density);
+    if (m.young > 0) compliance = fmax2(compliance, 2 * (1 - m.poisson * m.poisson) / m.young);
+  }
+  const double m = mass(heaviest, r_max);
+  double weight = 0;  // g H along the axes
+  for (int k = 0; k < 3; ++k) weight += std::fabs(scene.gravity[k]) * (scene.domain.upper[k] - scene.domain.lower[k]);
+  s.load = 0.6 * heaviest * weight * (4 * r_max * r_max);
+  double impact = 0, pressed = 0;  // overlaps / radius
+  if (scene.contact.model == ContactModel::linear) {
+    const double k = scene.contact.normal_stiffness;
+    impact = s.speed * std::sqrt(m / k) / r_max;
+    pressed = s.load / k / r_max;
+    // stiffness for the target: impact ~ k^-1/2, weight ~ k^-1
+    s.factor = fmax2((impact / target) * (impact / target), pressed / target);
+    s.step_factor = s.factor > 0 ? 1 / std::sqrt(s.factor) : 0;
+  } else {
+    const double e_star = 1 / compliance;
+    impact = det::pow(15 * m * (s.speed * s.speed) / (16 * e_star * std::sqrt(r_max)), 0.4) / r_max;
+    pressed = det::pow(3 * s.load / (4 * e_star * std::sqrt(0.5 * r_max)), 2.0 / 3.0) / r_max;
+    // impact ~ E^-2/5, weight ~ E^-2/3; the contact time goes as E^-2/5
+    s.factor = fmax2(det::pow(impact / target, 2.5), det::pow(pressed / target, 1.5));
+    s.step_factor = s.factor > 0 ? det::pow(s.factor, -0.4) : 0;
+  }
+  s.by_impact = impact >= pressed;
+  s.overlap = fmax2(impact, pressed);
+  return s;
+}
+
+StepAdvice step_advice(const TimeStepReport& report) {
+  StepAdvice a;
+  a.accurate = fmin2(report.packing.seconds, fmin2(0.2 * report.rayleigh.seconds, report.contact.seconds / 20));
+  // the pair limit of equal spheres is sqrt(2 m / k)
+  a.row_sum = report.isolated_pair.seconds / std::sqrt(12.0);
+  return a;
 }
 
 }  // namespace talus

@@ -33,4 +33,26 @@ struct TimeStepReport {
 /// not allow it. `speed` [m/s]: fastest particle of the initial files, where the caller knows it.
 TimeStepReport time_step_limits(const Scene& scene, double r_min, double r_max, double speed = 0);
 
+/// What the stiffness of the contacts does to the geometry, and how soft they could be for a largest overlap of 1 % of
+/// the radius. Estimates from the scene alone, for its largest particle on a wall:
+///   impact  linear  delta = v sqrt(m/k)                    hertz  delta = (15 m v^2 / (16 E* sqrt(r)))^(2/5)
+///   weight  F = 0.6 rho g H (2r)^2 (a bed that fills the domain up to H), linear delta = F/k,
+///           hertz delta = (3 F / (4 E* sqrt(r/2)))^(2/3)
+struct Softening {
+  double speed = 0;       ///< [m/s] of the impact
+  double load = 0;        ///< [N]
+  double overlap = 0;     ///< the larger of both overlaps now / radius
+  bool by_impact = true;  ///< which of them that is
+  double factor = 0;      ///< stiffness (k_n or Young's moduli) may be multiplied by this; 0: nothing moves or weighs
+  double step_factor = 0; ///< by which the contact time grows then
+};
+Softening softening(const Scene& scene, double r_max, double speed = 0);
+
+/// Time steps [s] that are advised: `accurate` keeps 20 steps per contact and 0.2 of the Rayleigh time, within the
+/// packing limit; `row_sum` is sqrt(2 m / (Z k)), below which Z contacts per particle are surely stable (Z = 12).
+struct StepAdvice {
+  double accurate = 0, row_sum = 0;
+};
+StepAdvice step_advice(const TimeStepReport& report);
+
 }  // namespace talus
