@@ -69,19 +69,21 @@ void collect_results(World& w) {
   static const char* const axis = "xyz";
   for (const auto& cp : w.chunks) {
     Chunk& c = *cp;
-    const std::string too_deep =
-        " overlap by more than " + std::to_string(w.scene.max_overlap) + " of the smaller radius";
+    // made only on failure: formatted for every chunk of every step it was most of the serial check
+    const auto too_deep = [&w] {
+      return " overlap by more than " + std::to_string(w.scene.max_overlap) + " of the smaller radius";
+    };
     const char* const deep_cure =
         "stiffer contacts, a smaller time step, relax.steps for an overlapping start, or a larger checks.max_overlap";
     if (c.deep_slot >= 0) {
       const ParticleId i = w.id[c.row_buffer[0]], j = w.id[c.row_buffer[1]];
-      fail_step(w, {i, j}, "particles " + std::to_string(i) + " and " + std::to_string(j) + too_deep, deep_cure);
+      fail_step(w, {i, j}, "particles " + std::to_string(i) + " and " + std::to_string(j) + too_deep(), deep_cure);
     }
     if (c.deep_wall >= 0) {
       const WallState& t = c.wall_state[static_cast<std::size_t>(c.deep_wall)];
       fail_step(
           w, {w.id[t.row]},
-          "particle " + std::to_string(w.id[t.row]) + " and wall '" + w.walls.name(t.contact.wall) + "'" + too_deep,
+          "particle " + std::to_string(w.id[t.row]) + " and wall '" + w.walls.name(t.contact.wall) + "'" + too_deep(),
           deep_cure);
     }
     if (c.unstable_row >= 0)
