@@ -1,14 +1,18 @@
 // `talus compare A B`: are two states the same, bit for bit, and if not, where do they first differ and by how much.
 // A and B are checkpoints or run folders (their newest checkpoint); each is read through the scene stored beside it.
-// Exit code 0 where the states are equal, 1 where they differ.
+// Two run folders with particle frames are also compared frame by frame: how the difference grows.
+// Exit code 0 where everything compared is equal, 1 where anything differs.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <optional>
 
 #include "cases/cli.hpp"
+#include "cases/cli_compare_growth.hpp"
 #include "cases/cli_folder.hpp"
 #include "cases/cli_json.hpp"
 #include "scheduler/simulation.hpp"
@@ -102,13 +106,37 @@ std::pair<ParticleId, std::string> first_difference(const Comparison& c) {
   for (const auto& f : c.fields) offer(f.first, f.name);
   return first;
 }
+
+/// Frame by frame, where both are run folders that hold particles.vtkhdf.
+std::optional<Growth> growth_of(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
+  if (!fs::is_directory(a) || !fs::is_directory(b)) return {};
+  const RunFolder first = RunFolder::open(a), second = RunFolder::open(b);
+  if (!fs::exists(first.particles()) || !fs::exists(second.particles())) return {};
+  return compare_growth(first.particles(), second.particles(), stored_scene(first).domain);
+}
+
+void add_growth(Json& j, const Growth& g) {
+  j.begin_object("growth").add("frames_equal", g.equal()).add("radius", g.radius);
+  if (!g.equal()) j.add("first_difference_time", g.first_time);
+  if (g.fitted >= 3) j.add("rate", g.rate).add("fit_quality", g.quality);
+  if (g.horizon >= 0) j.add("horizon", g.horizon);
+  j.begin_array("frames");
+  for (const GrowthPoint& p : g.points) {
+    j.begin_object().add("time", p.time).add("step_a", p.step_a).add("step_b", p.step_b).add("common", p.common);
+    j.add("different", p.different).add("rms", p.rms).add("max", p.max).add("rms_velocity", p.rms_velocity);
+    j.add("max_velocity", p.max_velocity).add("first_id", p.first).add("worst_id", p.worst).end_object();
+  }
+  j.end_array().end_object();
+}
 }  // namespace
 
 int compare(const Options& options) {
   const State a = read_state(options.files.at(0), options.run), b = read_state(options.files.at(1), options.run);
   const Comparison c = compare_frames(a.frame, b.frame);
   const auto [id, field] = first_difference(c);
-  const bool equal = a.hash == b.hash && a.frame.step == b.frame.step && id < 0;
+  const std::optional<Growth> growth = growth_of(options.files.at(0), options.files.at(1));
+  const bool equal = a.hash == b.hash && a.frame.step == b.frame.step && id < 0 && (!growth || growth->equal());
   if (options.json) {
     Json j;
     j.begin_object().add("equal", equal).begin_array("states");
@@ -124,7 +152,9 @@ int compare(const Options& options) {
       j.begin_object().add("field", f.name).add("particles", f.count).add("max_difference", f.largest);
       j.add("at_id", f.worst).end_object();
     }
-    fmt::print("{}\n", j.end_array().end_object().text());
+    j.end_array();
+    if (growth) add_growth(j, *growth);
+    fmt::print("{}\n", j.end_object().text());
     return equal ? 0 : 1;
   }
   for (const State* s : {&a, &b}) {
@@ -132,14 +162,15 @@ int compare(const Options& options) {
                s->hash);
   }
   if (equal) {
-    fmt::print("equal, bit for bit\n");
+    fmt::print("equal, bit for bit{}\n",
+               growth ? fmt::format(" (and so are {} common frames)", growth->points.size()) : "");
     return 0;
   }
   if (a.frame.step != b.frame.step) fmt::print("the states are of different steps\n");
   if (c.only_a + c.only_b > 0) fmt::print("only in the first: {}, only in the second: {}\n", c.only_a, c.only_b);
   if (id >= 0) {
     fmt::print("first difference: particle {}, {}\n", id, field);
-  } else if (a.hash != b.hash) {
+  } else if (a.hash != b.hash && a.frame.step == b.frame.step) {
     fmt::print("particles are equal; the hidden state (contact history, sources) differs\n");
   }
   for (const auto& f : c.fields) {
@@ -148,6 +179,7 @@ int compare(const Options& options) {
                  f.worst);
     }
   }
+  if (growth) fmt::print("{}", growth_text(*growth));
   return 1;
 }
 

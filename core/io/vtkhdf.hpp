@@ -1,4 +1,4 @@
-// VtkHdfWriter: particles, walls or contacts over time in one VTKHDF 2.0 temporal PolyData file (ParaView >= 5.12).
+// VtkHdfWriter (and VtkHdfReader): particles, walls or contacts over time in one VTKHDF 2.0 temporal PolyData file (ParaView >= 5.12).
 // Who calls it: cases/ (run), one object per file. Invariants: one part per step; NSteps is written last and the file
 // is flushed before and after it, so that a killed run leaves a readable file that ends with a whole frame; times and
 // bytes depend on the frames only.
@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/frame.hpp"
 #include "core/io/poly_data.hpp"
@@ -34,6 +35,27 @@ class VtkHdfWriter {
  private:
   struct Impl;
   explicit VtkHdfWriter(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Reads particle frames of a VtkHdfWriter back, for comparisons of two runs. Invariant: positions and velocities have
+/// the bits that were written.
+class VtkHdfReader {
+ public:
+  struct Step {
+    std::int64_t step = 0;
+    double time = 0;  ///< [s]
+  };
+  /// Error{io}: no such file, or not particles of this program.
+  explicit VtkHdfReader(const std::string& path);
+  ~VtkHdfReader();
+  VtkHdfReader(VtkHdfReader&&) noexcept;
+  const std::vector<Step>& steps() const noexcept;
+  /// id, x, v, r of frame k (0 <= k < steps().size()); other columns stay empty.
+  Frame frame(std::size_t k) const;
+
+ private:
+  struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 
