@@ -194,5 +194,5 @@ def closing(results):
         if told:
             body.append(f"<tr><td><td colspan={len(findings.TOLERANCES)} class=small style='text-align:left'>{html.escape(told)}")
     return ("<h2>Advice</h2><p>The cheapest measured setting whose error, with its interval, is below the tolerance; q in <i>dt q</i> is "
-            "the number of steps per contact. <i>None</i> means that no point gets there, or that the seeds are too few to say so.</p>"
+            "the number of steps per contact. Where the clock does not tell it from the fastest, the default is named. <i>None</i> means that no point gets there, or that the seeds are too few to say so.</p>"
             f"<div class=wide><table>{head}{''.join(body)}</table></div>")
