@@ -55,7 +55,9 @@ Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool fri
   double fn = c.kn * k.delta - gamma_n * k.meff * k.vn;
   if (a.centred != 0) fn /= 1 + 0.5 * a.dt * gamma_n;
   if (!friction) return assemble(p, k, fn, {});
-  xi = xi - dot(xi, k.n) * k.n + a.dt * k.vt;
+  // in the step in which they touch, the spheres have slid past each other only since then
+  const bool touched_now = a.centred != 0 && a.onset != 0 && k.vn < 0 && k.delta < -k.vn * a.dt;
+  xi = xi - dot(xi, k.n) * k.n + (touched_now ? k.delta / -k.vn : a.dt) * k.vt;
   const double shrink = a.centred != 0 ? 1 / (1 + 0.5 * 3.5 * a.dt * gamma_t) : 1;
   Vec3 ft = -shrink * (c.kt * xi + (gamma_t * k.meff) * k.vt);
   const double limit = c.mu * std::max(fn, 0.0), size = norm(ft);
@@ -77,7 +79,7 @@ Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, b
   if (!friction) return assemble(p, k, fn, {});
   ft = ft - dot(ft, k.n) * k.n;
   if (contact < radius) ft = (contact / radius) * ft;
-  ft = ft - (st * a.dt) * k.vt;
+  ft = ft - (c.kt * std::min(contact, 0.5 * (contact + radius)) * a.dt) * k.vt;
   radius = contact;
   const double shrink = a.centred != 0 ? 1 / (1 + 0.5 * 3.5 * a.dt * ct / k.meff) : 1;
   Vec3 total = shrink * (ft - ct * k.vt);

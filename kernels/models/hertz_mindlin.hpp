@@ -2,7 +2,9 @@
 //   S_n = 4/3 E* a, S_t = 8 G* a, a = sqrt(R* delta)
 //   F_n = S_n delta - alpha sqrt(m_eff S_n) v_n,  alpha = -sqrt(5) ln e / sqrt(pi^2 + ln^2 e)
 //   F_t: stored force, dF = -S_t v_t dt, rescaled by a/a_prev when the contact radius shrinks (no energy from closed
-//   loops), dashpot sqrt(2/3) alpha sqrt(m_eff S_t) v_t, |F_t| <= mu max(F_n, 0)
+//   loops); S_t is that of the mean of a_prev and a while the radius grows, which makes the integral second order, and
+//   that of a while it shrinks (of the mean, rescaled from there to a: the same); dashpot sqrt(2/3) alpha sqrt(m_eff
+//   S_t) v_t, |F_t| <= mu max(F_n, 0)
 // hertz_tsuji differs only in alpha (the polynomial of Tsuji et al.), chosen at set-up.
 // History: 4 columns, the elastic tangential force on i [N] and the last contact radius [m].
 // Reads kn = 4/3 E* [Pa], kt = 8 G* [Pa], gn = alpha [-], gt = sqrt(2/3) alpha [-], mu; wants R*.
@@ -59,9 +61,11 @@ void force(HertzMindlin, Block& b, const LawArgs& a) {
       const B before = S::select(S::gt(last, zero), ((h[0] * h[0] + h[1] * h[1]) + h[2] * h[2]) / last, zero);
       const B rescale = S::select(S::lt(radius, last), radius / last, one);
       const B shrink = a.centred != 0 ? one / (one + hdt_t * (ct * ms)) : one;
+      const B mean = half * (radius + last), moved = S::select(S::lt(mean, radius), mean, radius);
+      const B slid = dt * (c.kt * moved);
       B g[3], trial[3];
       for (int q = 0; q < 3; ++q) {
-        h[q] = trial[q] = (h[q] - hn * n[q]) * rescale - st * (t[q] * dt);
+        h[q] = trial[q] = (h[q] - hn * n[q]) * rescale - slid * t[q];
         g[q] = (h[q] - ct * t[q]) * shrink;
       }
       const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
@@ -83,16 +87,17 @@ void force(HertzMindlin, Block& b, const LawArgs& a) {
       if constexpr (Energy) {
         // Elastic energy of the tangential spring F^2 / (2 S_t). Sliding loses (trial - F) / S_t times the mean of the
         // force before and after the step. A change of the contact radius changes F^2 / S_t by the ratio of the smaller
-        // to the larger one (F is rescaled on unloading, S_t grows at constant F on loading); neither partner gets that
-        // energy, it counts as friction.
+        // to the larger one (F is rescaled on unloading; on loading S_t grows at constant F, to that of the mean radius
+        // before the increment and to that of the present one after it); neither partner gets that energy, it counts as
+        // friction.
         const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2], t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
         B slip = zero;
-        for (int q = 0; q < 3; ++q) slip = slip + (half * ((trial[q] + st * (t[q] * dt)) + h[q])) * (trial[q] - h[q]);
-        const B kept = S::select(S::lt(radius, last), rescale, last / radius);
-        const B released = half * (before * (one - kept)) / c.kt;
+        for (int q = 0; q < 3; ++q) slip = slip + (half * ((trial[q] + slid * t[q]) + h[q])) * (trial[q] - h[q]);
+        const B kept = S::select(S::lt(radius, last), rescale, last / moved);
+        const B released = half * (before * (one - kept) + h2 * (one / moved - one / radius)) / c.kt;
         S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (h2 / st));
         S::store(b.e[1] + k, S::load(b.e[1] + k) + dt * ((ct * mid) * t2));
-        S::store(b.e[2] + k, slip / st + released);
+        S::store(b.e[2] + k, slip / (c.kt * moved) + released);
       }
       S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));
       S::store(b.r[5] + k, lever * (n[0] * g[2] - n[2] * g[0]));

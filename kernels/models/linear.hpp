@@ -5,6 +5,8 @@
 // (second order; `lagged` uses v(n-1/2) as it stands: first order). Onset correction: the dashpot acts from the first
 // instant of touch to the last, so its impulse in the step that holds that instant is weighed with the touching time
 // (1/2 + delta/(|v_n| dt)) instead of 1; without it restitution has an error of order dt that depends on the phase.
+// The tangential spring too starts at the instant of touch: in that step it moves for delta/|v_n| instead of dt,
+// without which every sticking contact carries half a step's slip too much (tests/verification/order_test.cpp).
 // History: 3 columns, the tangential spring xi [m], oriented i - j.
 // Reads kn, kt [N/m], gn, gt [1/s] (or 2 beta [-] with by_restitution), mu.
 #pragma once
@@ -117,7 +119,9 @@ void force(Linear, Block& b, const LawArgs& args) {
     B fn = c.kn * delta;
     const B step = S::abs(vn) * dt;
     const auto brief = S::lt(delta, step);
+    B slid = dt;  // how long the tangential spring has moved with the spheres
     if (a.centred != 0 && a.onset != 0 && S::any(brief)) {
+      slid = S::select(brief, S::select(S::lt(vn, zero), dt * (delta / step), dt), dt);
       const B gn = f.gn * S::select(brief, half + delta / step, one);
       fn = (fn - gn * (meff * vn)) * (one / (one + hdt * gn));
     } else {
@@ -143,7 +147,7 @@ void force(Linear, Block& b, const LawArgs& args) {
       const B gm = f.gt * meff;
       B g[3], trial[3];
       for (int p = 0; p < 3; ++p) {
-        h[p] = trial[p] = (h[p] - hn * n[p]) + t[p] * dt;
+        h[p] = trial[p] = (h[p] - hn * n[p]) + t[p] * slid;
         g[p] = zero - (c.kt * h[p] + gm * t[p]) * f.shrink_t;
       }
       const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
@@ -167,7 +171,7 @@ void force(Linear, Block& b, const LawArgs& args) {
         // the slider moves by what the trial spring exceeds the final one, against the mean of the spring's force
         // before and after the step (a Coulomb limit that falls releases a loaded spring within few steps)
         B slip = zero;
-        for (int p = 0; p < 3; ++p) slip = slip + (half * ((trial[p] - t[p] * dt) + h[p])) * (trial[p] - h[p]);
+        for (int p = 0; p < 3; ++p) slip = slip + (half * ((trial[p] - t[p] * slid) + h[p])) * (trial[p] - h[p]);
         S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (c.kt * h2));
         S::store(b.e[1] + k, S::load(b.e[1] + k) + dt * (gm * t2));
         S::store(b.e[2] + k, c.kt * slip);
