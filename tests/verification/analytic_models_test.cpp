@@ -174,7 +174,7 @@ TEST(AnalyticModel, ObliqueReboundsLieOnTheHardSphereMap) {
   figure("MFiX DEM05 / hard-sphere map, sliding: largest error of psi2 / mu", slide);
   figure("MFiX DEM05 / hard-sphere map, sticking: largest error of beta0", stick);
   EXPECT_LT(slide, 1e-8);  // the Coulomb force is mu times the normal one at every step: no error of its own
-  EXPECT_LT(stick, 2e-3);  // first order: order_test.cpp, t_c/dt = 4000
+  EXPECT_LT(stick, 1e-6);  // second order at t_c/dt = 4000
 }
 
 TEST(AnalyticModel, GrainOnAnInclineRollsOrSlides) {

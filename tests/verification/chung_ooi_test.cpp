@@ -170,8 +170,8 @@ TEST(ChungOoi, Test4PartlyStickingReboundIsThatOfACappedSpring) {
   figure("chung-ooi 4, 5-30 deg: largest difference of omega to it [rad/s]", worst_w);
   figure("chung-ooi 4, 5-30 deg: published capped spring against the integration without dashpot", worst_table);
   figure("chung-ooi 4, 15-30 deg: largest relative difference of e_t to the measured curve", worst_measured);
-  EXPECT_LT(worst_t, 1e-3);
-  EXPECT_LT(worst_w, 0.4);
+  EXPECT_LT(worst_t, 1e-4);
+  EXPECT_LT(worst_w, 0.1);
   EXPECT_LT(worst_table, 5e-3);
   EXPECT_LT(worst_measured, 0.03);
 }

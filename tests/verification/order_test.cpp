@@ -111,18 +111,17 @@ void check(const std::string& name, Case c, double low, double error, const std:
   }
 }
 
-// What lowers the order, with the law written as in kernels/models:
-// - gravity: the centred dashpot makes the force consistent with v(n) = v(n-1/2) + F dt/(2m) of the pair alone; a force
-//   from elsewhere, here the weight, is missing in it. First order, but with the small factor gamma g dt/2.
+// What lowers the order below two, with the laws written as in kernels/models:
+// - the weight: the centred dashpot makes the force consistent with v(n) = v(n-1/2) + F dt/(2m) of the pair alone; a
+//   force from elsewhere, here the weight, is missing in it. First order, but with the small factor gamma g dt/2.
 const char* const k_weight = "the weight, which the centred dashpot does not see";
-// - spring: the tangential spring collects v_t dt in the step in which the contact begins, although the spheres have
-//   touched for a part of it only: on average half a step too much. In the damped linear law this also hits sliding,
-//   because the normal force starts at gamma v and the spring has to wind up to mu times that.
-const char* const k_spring = "the whole step of slip that the tangential spring gets at touch";
-// - Mindlin: the increment S_t v_t dt takes the stiffness of the end of the step, not that of its middle.
-const char* const k_stiffness = "the tangential stiffness, taken at the end of each step";
-// - Hertz dashpot: starts as depth^(1/4), so its force is not differentiable at touch: order 5/4.
+// - parting while stuck (mu = 50): the Coulomb limit closes within the last 1/50 of the contact and releases a loaded
+//   spring in a single step. Sliding before the end, as with any usual mu, does not show it.
+const char* const k_release = "the loaded spring's release within the last step";
+// - Hertz: the dashpot starts as depth^(1/4) and the tangential stiffness as depth^(1/2), neither differentiable at
+//   touch: orders 5/4 and 3/2.
 const char* const k_quarter = "the dashpot's start as depth^(1/4)";
+const char* const k_root = "the tangential stiffness's start as depth^(1/2)";
 
 const auto none = Friction::none, sticks = Friction::sticks, slides = Friction::slides, both = Friction::both;
 
@@ -131,24 +130,24 @@ TEST(Order, LinearDampedWithoutGravity) {
   check("linear, e 0.6, no friction, no gravity", {.e = 0.6, .gravity = 0}, 1.85, 3e-4);
 }
 TEST(Order, LinearDamped) { check("linear, e 0.6, no friction", {false, 0.6, none}, 0.7, 1.5e-4, k_weight); }
-TEST(Order, LinearElasticSticking) { check("linear, e 1, sticking", {false, 1, sticks}, 0.95, 8e-3, k_spring); }
-TEST(Order, LinearDampedSticking) { check("linear, e 0.6, sticking", {false, 0.6, sticks}, 0.95, 0.015, k_spring); }
+TEST(Order, LinearElasticSticking) { check("linear, e 1, sticking", {false, 1, sticks}, 1.1, 2.5e-3, k_release); }
+TEST(Order, LinearDampedSticking) { check("linear, e 0.6, sticking", {false, 0.6, sticks}, 1.3, 4e-3, k_release); }
 TEST(Order, LinearElasticSliding) { check("linear, e 1, sliding", {false, 1, slides}, 1.85, 6e-5); }
-TEST(Order, LinearDampedSliding) { check("linear, e 0.6, sliding", {false, 0.6, slides}, 0.95, 5e-3, k_spring); }
+TEST(Order, LinearDampedSliding) { check("linear, e 0.6, sliding", {false, 0.6, slides}, 0.7, 1.5e-4, k_weight); }
 TEST(Order, LinearElasticSlidingThenSticking) {
-  check("linear, e 1, sliding then sticking", {false, 1, both}, 0.9, 1.5e-3, k_spring);
+  check("linear, e 1, sliding then sticking", {false, 1, both}, 1.85, 6e-5);
 }
 TEST(Order, LinearDampedSlidingThenSticking) {
-  check("linear, e 0.6, sliding then sticking", {false, 0.6, both}, 0.95, 0.015, k_spring);
+  check("linear, e 0.6, sliding then sticking", {false, 0.6, both}, 0.7, 1.5e-4, k_weight);
 }
 TEST(Order, HertzElastic) { check("Hertz, e 1, no friction", {true, 1, none}, 1.9, 8e-5); }
 TEST(Order, HertzDamped) { check("Hertz, e 0.6, no friction", {true, 0.6, none}, 1.2, 1e-3, k_quarter); }
-TEST(Order, HertzElasticSticking) { check("Hertz, e 1, sticking", {true, 1, sticks}, 0.95, 0.014, k_stiffness); }
-TEST(Order, HertzDampedSticking) { check("Hertz, e 0.6, sticking", {true, 0.6, sticks}, 0.95, 5e-3, k_stiffness); }
+TEST(Order, HertzElasticSticking) { check("Hertz, e 1, sticking", {true, 1, sticks}, 1.3, 5e-4, k_root); }
+TEST(Order, HertzDampedSticking) { check("Hertz, e 0.6, sticking", {true, 0.6, sticks}, 1.1, 1.5e-3, k_quarter); }
 TEST(Order, HertzElasticSliding) { check("Hertz, e 1, sliding", {true, 1, slides}, 1.9, 8e-5); }
 TEST(Order, HertzDampedSliding) { check("Hertz, e 0.6, sliding", {true, 0.6, slides}, 1.2, 1e-3, k_quarter); }
 TEST(Order, HertzElasticSlidingThenSticking) {
-  check("Hertz, e 1, sliding then sticking", {true, 1, both}, 1.2, 1.5e-4, k_stiffness);
+  check("Hertz, e 1, sliding then sticking", {true, 1, both}, 1.2, 1.5e-4, k_root);
 }
 TEST(Order, HertzDampedSlidingThenSticking) {
   check("Hertz, e 0.6, sliding then sticking", {true, 0.6, both}, 1.2, 1e-3, k_quarter);
