@@ -29,7 +29,7 @@ std::int32_t cell_of(double x, double inverse, std::int32_t n) {
 }  // namespace
 
 void sort_epoch(World& w) {
-  std::vector<ContactEntry> contacts = collect_contacts(w);
+  std::vector<ContactEntry> contacts = list_contacts(w);  // distribute_contacts() sorts by the new rows
   std::vector<WallState> walls = collect_wall_states(w);
   // The key comes from a grid of the scene alone, never from the list's cells (I3).
   const double inverse = 1.0 / (2.6 * w.r_max);

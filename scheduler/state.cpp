@@ -131,8 +131,11 @@ void remove_row(World& w, Row i) {
   for (int k = 0; k < w.stride; ++k) v[k] = 0;
 }
 
-std::vector<ContactEntry> collect_contacts(const World& w) {
+std::vector<ContactEntry> list_contacts(const World& w) {
   std::vector<ContactEntry> out;
+  std::size_t most = 0;
+  for (const auto& c : w.chunks) most += static_cast<std::size_t>(c->contact_end[2]);
+  out.reserve(most);
   for (const auto& cp : w.chunks) {
     const Chunk& c = *cp;
     std::int64_t n = 0;
@@ -148,6 +151,11 @@ std::vector<ContactEntry> collect_contacts(const World& w) {
       ++n;
     }
   }
+  return out;
+}
+
+std::vector<ContactEntry> collect_contacts(const World& w) {
+  std::vector<ContactEntry> out = list_contacts(w);
   std::sort(out.begin(), out.end(),
             [](const ContactEntry& l, const ContactEntry& r) { return std::tie(l.a, l.b) < std::tie(r.a, r.b); });
   return out;
@@ -215,7 +223,7 @@ std::uint64_t state_hash(const World& w) {
     sum += XXH3_64bits(&t, sizeof t);
   }
   if (w.has.history_columns > 0) {
-    for (const ContactEntry& e : collect_contacts(w)) {
+    for (const ContactEntry& e : list_contacts(w)) {
       if (!w.is_alive(e.a) || !w.is_alive(e.b)) continue;
       struct {
         ParticleId a, b;

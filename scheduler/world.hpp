@@ -229,7 +229,8 @@ void set_particle_capacity(World& w, Row n);  ///< resizes columns to n rows (+ 
 void append_particles(World& w, const NewParticles& a, bool at_start);
 void make_chunks(World& w);        ///< cuts rows into chunks; keeps existing ones in place
 void remove_row(World& w, Row i);  ///< marks a row dead (I2), counts it
-std::vector<ContactEntry> collect_contacts(const World& w);
+std::vector<ContactEntry> list_contacts(const World& w);     ///< chunk by chunk, each once
+std::vector<ContactEntry> collect_contacts(const World& w);  ///< ascending (a, b), whatever the chunks
 std::vector<WallState> collect_wall_states(const World& w);
 void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, const std::vector<WallState>& walls);
 std::uint64_t state_hash(const World& w);
