@@ -173,7 +173,8 @@ class ElasticGas(PathScene):
         out = super().settings(features)
         if features["lammps"]:  # a list without a check, as codes with fixed rebuild intervals have it
             q = self.q_middle
-            for every in ((100,) if self.quick else (20, 50, 100, 200)):
+            # no divisors of the steps between frames, at which a list would be fresh whenever it is looked at
+            for every in (93,) if self.quick else (19, 47, 93, 171):
                 out.append(Setting(f"lammps, rebuilt every {every}", "LAMMPS, fixed rebuild interval, no check", q, code="lammps",
                                    peer={"skin": 0.02, "every": every}, may_stop=True))
         return out
