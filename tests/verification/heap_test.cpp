@@ -13,7 +13,7 @@ namespace {
 struct Heap {
   double angle = 0;  ///< [degrees]
   double left = 0;   ///< share of the grains that stay
-  double speed = 0;  ///< root mean square at the end [sqrt(g d)]
+  double speed = 0;  ///< median at the end [sqrt(g d)]
 };
 
 Heap drain(double mu, std::uint64_t seed) {
@@ -54,13 +54,14 @@ Heap drain(double mu, std::uint64_t seed) {
   Heap out;
   std::vector<std::vector<double>> column(static_cast<std::size_t>(width));
   double free = 0;
+  std::vector<double> speeds;
   for (std::size_t k = 0; k < f.x.size(); ++k) {
     column[static_cast<std::size_t>(std::clamp(f.x[k].x, 0.0, width - 1))].push_back(f.x[k].z);
     if (f.id[k] < static_cast<ParticleId>(fixed)) continue;
     free += 1;
-    out.speed += norm2(f.v[k]);
+    speeds.push_back(norm(f.v[k]));
   }
-  out.speed = std::sqrt(out.speed / free);
+  out.speed = quantile(speeds, 0.5);  // single grains may still roll over the edge
   out.left = free / static_cast<double>(grains.size() - fixed);
   // surface: mean height of the three topmost grains of each slice of one diameter, away from wall and edge
   std::vector<double> x, z;
@@ -84,8 +85,8 @@ TEST(Heap, AngleOfReposeRisesWithFriction) {
       const std::string name = "heap, mu " + std::to_string(mu).substr(0, 4) + ", seed " + std::to_string(seed);
       figure(name + ": angle of repose [deg]", h.angle,
              "stays " + std::to_string(h.left) + ", speed at the end " + std::to_string(h.speed));
-      // at rest apart from single grains; with mu = 0.05 the surface is still losing grains, one by one
-      EXPECT_LT(h.speed, mu < 0.1 ? 0.1 : 0.03) << name;
+      // the bed is at rest
+      EXPECT_LT(h.speed, 0.01) << name;
       angles.push_back(h.angle);
       mean += h.angle / seeds;
     }

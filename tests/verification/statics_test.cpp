@@ -63,7 +63,7 @@ TEST(Statics, GrainInAWedgeLeansOnBothSides) {
 }
 
 TEST(Statics, GrainInAnUnevenWedgeWithFrictionIsInEquilibrium) {
-  const Rest q = settle_between({{0.6, 0, 0.8}, {-0.96, 0, 0.28}}, {0.003, 0, 0.016}, false, 0.4, 3);
+  const Rest q = settle_between({{0.6, 0, 0.8}, {-0.96, 0, 0.28}}, {-0.0056, 0, 0.0169}, false, 0.4, 3);
   ASSERT_EQ(q.frame.contacts.size(), 2U);
   const double w = norm(q.frame.w[0]);
   for (const ContactRecord& c : q.frame.contacts)
