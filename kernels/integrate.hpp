@@ -40,13 +40,14 @@ void integrate_rows(IntegrateArgs& args) {
   alignas(32) const double down[4] = {-a.half[0], -a.half[1], -a.half[2], -a.half[3]};
   const auto dt = S::load4(step), upper = S::load4(a.upper), wrap = S::load4(a.wrap), half = S::load4(a.half);
   const auto minus_half = S::load4(down), zero = S::load4(nothing);
+  const auto no_force = S::set8(0.0);
   unsigned periodic = 0;
   for (int c = 0; c < 3; ++c) periodic |= (a.wrap[c] != 0 ? 1U : 0U) << c;
   int expired = 0;
   std::int32_t out_count = 0, unstable_row = -1;
   for (long i = a.lo; i < a.hi; ++i) {
     const double* vr = a.v + rows * i;
-    const double* fr = a.f + rows * i;
+    double* fr = a.f + rows * i;
     const double invm = vr[rows - 1];
     const double live = invm > 0 ? 1.0 : 0.0;
     if (__builtin_expect(fr[3] * invm > a.unstable, 0)) unstable_row = static_cast<std::int32_t>(i);
@@ -68,23 +69,26 @@ void integrate_rows(IntegrateArgs& args) {
       S::store4(a.v2 + rows * i, v);
       vel = v;
     }
+    if constexpr (Rotation)
+      S::store8(fr, no_force);
+    else
+      S::store4(fr, S::low4(no_force));
     auto x = S::add4(S::load4(a.p + 4 * i), S::mul4(vel, dt));
-    const unsigned below = S::lt4(x, zero) & 7U, above = ~S::lt4(x, upper) & 7U;
-    if (__builtin_expect((below | above) != 0, 0)) {
+    const double* ref = a.x0 + 4 * i;
+    auto d = S::sub4(x, S::load4(ref));
+    if (__builtin_expect(S::outside4(x, zero, upper, d, half), 0)) {
+      const unsigned below = S::lt4(x, zero) & 7U, above = ~S::lt4(x, upper) & 7U;
       if (((below | above) & periodic) != 0) {
         x = S::add4(x, S::and4(wrap, below & periodic));
         x = S::sub4(x, S::and4(wrap, above & periodic));
+        d = S::sub4(x, S::load4(ref));
       }
       if (((below | above) & ~periodic) != 0 && a.p[4 * i] < 1e100) a.out[out_count++] = static_cast<std::int32_t>(i);
-    }
-    S::store4(a.p2 + 4 * i, x);
-    const double* ref = a.x0 + 4 * i;
-    auto d = S::sub4(x, S::load4(ref));
-    const unsigned far_up = ~S::lt4(d, half) & periodic, far_down = S::lt4(d, minus_half) & periodic;
-    if (__builtin_expect((far_up | far_down) != 0, 0)) {
+      const unsigned far_up = ~S::lt4(d, half) & periodic, far_down = S::lt4(d, minus_half) & periodic;
       d = S::sub4(d, S::and4(wrap, far_up));
       d = S::add4(d, S::and4(wrap, far_down));
     }
+    S::store4(a.p2 + 4 * i, x);
     expired |= !(S::norm3(d) <= ref[3]) ? 1 : 0;
   }
   args.out_count = out_count;

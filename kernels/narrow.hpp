@@ -8,132 +8,188 @@
 
 namespace talus::kernels {
 
-/// Minimum image by compare and select (DESIGN I4: no rounding functions).
+/// Minimum image by compare and select (DESIGN I4: no rounding functions), on the periodic axes only. A difference
+/// within half a period keeps its bits, so the result is that of a scene without the period.
 template <class S>
-TALUS_INLINE void minimum_image(typename S::B& x, double half, double period) {
-  const auto zero = S::set(0.0), l = S::set(period);
-  const auto d = x;
-  x = d - S::select(S::gt(d, S::set(half)), l, zero) + S::select(S::lt(d, S::set(-half)), l, zero);
-}
-
-/// History of eight slots whose touching set changed; kept out of line, or the compiler prepares it for every group.
-template <class S>
-__attribute__((noinline)) void carry_changed(unsigned old_bits, unsigned new_bits, const double* from, double* to) {
-  int o = 0, n = 0;
-  for (int k = 0; k < 8; ++k) {
-    const unsigned was = (old_bits >> k) & 1U, is = (new_bits >> k) & 1U;
-    if (is != 0) to[n++] = was != 0 ? from[o] : 0.0;
-    o += static_cast<int>(was);
+TALUS_INLINE void minimum_image(typename S::B* d, const double* half, const double* period) {
+  for (int c = 0; c < 3; ++c) {
+    if (period[c] == 0) continue;
+    const auto far = S::gt(S::abs(d[c]), S::set(half[c]));
+    d[c] = d[c] - S::select(far, S::copysign(S::set(period[c]), d[c]), S::set(0.0));
   }
 }
 
-/// Carries one history column of eight slots from the old compact order to the new one; slots that did not touch start
-/// at zero. Reads and writes up to eight entries, the padding allows it.
+/// History of eight slots whose touching set changed: kept entries move, new contacts start at zero.
 template <class S>
-TALUS_INLINE void carry_history(unsigned old_bits, unsigned new_bits, const double* from, double* to) {
+TALUS_INLINE void carry_changed(unsigned old_bits, unsigned new_bits, const double* from, double* to) {
   if constexpr (S::W == 8) {
     S::carry(old_bits, new_bits, from, to);
-  } else if (old_bits == new_bits) {  // the usual case in dense beds
-    for (int k = 0; k < 8; k += S::W) S::store(to + k, S::load(from + k));
   } else {
-    carry_changed<S>(old_bits, new_bits, from, to);
+    int o = 0, n = 0;
+    for (int k = 0; k < 8; ++k) {
+      const unsigned was = (old_bits >> k) & 1U, is = (new_bits >> k) & 1U;
+      if (is != 0) to[n++] = was != 0 ? from[o] : 0.0;
+      o += static_cast<int>(was);
+    }
   }
 }
 
-template <class S, int History, bool Periodic>
-void narrow_slots(NarrowArgs& args) {
-  using B = typename S::B;
-  const NarrowArgs a = args;  // a local copy: the stores below cannot alias it
-  std::int32_t *ci = a.ci, *cj = a.cj;
+/// Moves the contact history from the compact order of the previous step to that of the present one. Most groups of
+/// eight slots keep their touching set, so their entries wait as one run and are copied together; a scene at rest
+/// copies nothing at all. Reads and writes up to eight entries beyond the end, the padding allows it.
+template <class S, int History>
+struct HistoryCarry {
   const double* from[History + 1];
   double* to[History + 1];
-  for (int k = 0; k < History; ++k) {
-    from[k] = a.h_old[k];
-    to[k] = a.h_new[k];
-  }
-  std::int64_t deep_slot = -1;
-  const B deep = S::set(a.deep * a.deep);
-  std::int64_t s = 0;
-  for (int section = 0; section < 3; ++section) {
-    for (; s < a.end[section]; s += 8) {
-      unsigned bits = 0;
-      for (int k = 0; k < 8; k += S::W) {
-        B d[4];
-        S::pair_rows4(a.p, a.pi + s + k, a.pj + s + k, d);
-        if constexpr (Periodic)
-          for (int c = 0; c < 3; ++c) minimum_image<S>(d[c], a.half[c], a.period[c]);
-        const B d2 = (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2], w2 = d[3] * d[3];
-        const auto m = S::lt(d2, w2);
-        if (__builtin_expect(S::any(S::lt(d2, w2 * deep)), 0)) deep_slot = s + k;
-        S::compress_index(ci, a.pi + s + k, m);
-        S::compress_index(cj, a.pj + s + k, m);
-        const unsigned b = S::bits(m);
-        const int n = __builtin_popcount(b);
-        ci += n;
-        cj += n;
-        bits |= b << k;
-      }
-      const unsigned was = a.mask[s >> 3];
-      a.mask[s >> 3] = static_cast<std::uint8_t>(bits);
-      const int no = __builtin_popcount(was), nn = __builtin_popcount(bits);
-      for (int k = 0; k < History; ++k) {
-        carry_history<S>(was, bits, from[k], to[k]);
-        from[k] += no;
-        to[k] += nn;
-      }
+  std::int64_t run_from = 0, run_to = 0, next_from = 0, next_to = 0;
+
+  TALUS_INLINE explicit HistoryCarry(const NarrowArgs& a) {
+    for (int c = 0; c < History; ++c) {
+      from[c] = a.h_old[c];
+      to[c] = a.h_new[c];
     }
-    args.contact_end[section] = ci - a.ci;
   }
-  args.deep_slot = deep_slot;
+  __attribute__((noinline)) void copy_run() {
+    for (int c = 0; c < History; ++c) {
+      const double* f = from[c] + run_from;
+      double* t = to[c] + run_to;
+      for (std::int64_t k = 0; k < next_from - run_from; k += S::W) S::store(t + k, S::load(f + k));
+    }
+  }
+  __attribute__((noinline)) void changed(unsigned was, unsigned is) {
+    copy_run();
+    for (int c = 0; c < History; ++c) carry_changed<S>(was, is, from[c] + next_from, to[c] + next_to);
+    run_from = next_from += __builtin_popcount(was);
+    run_to = next_to += __builtin_popcount(is);
+  }
+  TALUS_INLINE void group(unsigned was, unsigned is) {
+    if (__builtin_expect(was == is, 1)) {
+      const int n = __builtin_popcount(is);
+      next_from += n;
+      next_to += n;
+    } else {
+      changed(was, is);
+    }
+  }
+};
+
+template <class S, int History, bool Periodic>
+TALUS_INLINE std::int32_t* narrow_section(const NarrowArgs& a, HistoryCarry<S, History>& history, std::int64_t s,
+                                          std::int64_t end, std::int32_t* ci, std::int32_t* cj) {
+  using B = typename S::B;
+  for (; s < end; s += 8) {
+    unsigned bits = 0;
+    __builtin_prefetch(a.pi + s + 512);
+    __builtin_prefetch(a.pj + s + 512);
+    for (int k = 0; k < 8; ++k) __builtin_prefetch(a.p + 4L * a.pj[s + 96 + k]);
+    if constexpr (History > 0)
+      for (int c = 0; c < History; ++c) __builtin_prefetch(history.from[c] + history.next_from + 256, 0, 2);
+    for (int k = 0; k < 8; k += S::W) {
+      B d[4];
+      S::pair_rows4(a.p, a.pi + s + k, a.pj + s + k, d);
+      if constexpr (Periodic) minimum_image<S>(d, a.half, a.period);
+      const B d2 = (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
+      const auto m = S::lt(d2, d[3] * d[3]);
+      S::compress_index(ci, a.pi + s + k, m);
+      S::compress_index(cj, a.pj + s + k, m);
+      const unsigned b = S::bits(m);
+      const int n = __builtin_popcount(b);
+      ci += n;
+      cj += n;
+      bits |= b << k;
+    }
+    const unsigned was = a.mask[s >> 3];
+    a.mask[s >> 3] = static_cast<std::uint8_t>(bits);
+    if constexpr (History > 0) history.group(was, bits);
+  }
+  return ci;
 }
 
-template <class S, bool Periodic>
-void narrow_history(NarrowArgs& a) {
-  switch (a.history) {
-    case 0:
-      return narrow_slots<S, 0, Periodic>(a);
-    case 3:
-      return narrow_slots<S, 3, Periodic>(a);
-    default:
-      return narrow_slots<S, 4, Periodic>(a);
+template <class S, int History>
+void narrow_slots(NarrowArgs& args) {
+  const NarrowArgs a = args;  // a local copy: the stores below cannot alias it
+  HistoryCarry<S, History> history(a);
+  std::int32_t* ci = a.ci;
+  std::int64_t s = 0;
+  for (int section = 0; section < 3; ++section) {
+    std::int32_t* cj = a.cj + (ci - a.ci);
+    if (a.periodic != 0)
+      ci = narrow_section<S, History, true>(a, history, s, a.end[section], ci, cj);
+    else
+      ci = narrow_section<S, History, false>(a, history, s, a.end[section], ci, cj);
+    s = a.end[section];
+    args.contact_end[section] = ci - a.ci;
   }
+  args.history_moved = history.run_to != 0 || history.run_from != 0 ? 1 : 0;
+  if constexpr (History > 0)
+    if (args.history_moved != 0) history.copy_run();
 }
 
 template <class S>
 void narrow(NarrowArgs& a) {
-  if (a.periodic != 0)
-    narrow_history<S, true>(a);
-  else
-    narrow_history<S, false>(a);
+  switch (a.history) {
+    case 0:
+      return narrow_slots<S, 0>(a);
+    case 3:
+      return narrow_slots<S, 3>(a);
+    default:
+      return narrow_slots<S, 4>(a);
+  }
 }
 
-/// Relative position and velocity of a block's contacts (and R*, material pair where asked for). Positions are formed
-/// again here: storing them compacted in the narrow phase costs more (unaligned 64-byte stores) than two more row
-/// loads.
-template <class S, bool Rotation>
-void gather(const GatherArgs& a) {
+/// What every law needs of a contact's geometry, from the centre difference x, the sum of radii w and the sum of
+/// inverse masses ms: distance, its inverse, effective mass and the lever d/w, with a single division.
+template <class S>
+TALUS_INLINE typename S::B store_geometry(const typename S::B* x, typename S::B w, typename S::B ms,
+                                          double (*g)[k_block + k_pad], int k) {
+  using B = typename S::B;
+  const B d = S::sqrt((x[0] * x[0] + x[1] * x[1]) + x[2] * x[2]);
+  const B dw = d * w, q = S::set(1.0) / (dw * ms);
+  S::store(g[0] + k, d);
+  S::store(g[1] + k, q * (w * ms));
+  S::store(g[2] + k, q * dw);
+  S::store(g[3] + k, (d * d) * (q * ms));
+  return d;
+}
+
+/// Geometry of contacts whose x, w and ms are already in columns (walls).
+template <class S>
+void geometry(const GeometryArgs& a) {
+  for (int k = 0; k < a.n; k += S::W) {
+    const typename S::B x[3] = {S::load(a.x + k), S::load(a.y + k), S::load(a.z + k)};
+    store_geometry<S>(x, S::load(a.w + k), S::load(a.ms + k), a.g, k);
+  }
+}
+
+/// Relative position and velocity of a block's contacts and their geometry (and R*, material pair where asked for).
+/// Positions are formed again here: storing them compacted in the narrow phase costs more (unaligned 64-byte stores)
+/// than two more row loads. Square root and division belong here because this pass is bound by loads and shuffles; in
+/// the law they would be what bounds it.
+template <class S, bool Rotation, bool Periodic>
+void gather_block(GatherArgs& a) {
   using B = typename S::B;
   constexpr int rows = Rotation ? 8 : 4;
+  const B deep = S::set(a.deep);
+  int touched_deep = 0;
   for (int k = 0; k < a.n; k += S::W) {
     B d[4], r[rows];
-    for (int q = k; q < k + S::W && q < a.next_n; ++q) {
-      __builtin_prefetch(a.v + static_cast<long>(rows) * a.next_j[q]);
-      __builtin_prefetch(a.p + 4L * a.next_j[q]);
-    }
+    if (k + S::W <= a.next_n)
+      for (int q = k; q < k + S::W; ++q) {
+        __builtin_prefetch(a.v + static_cast<long>(rows) * a.next_j[q]);
+        __builtin_prefetch(a.p + 4L * a.next_j[q]);
+      }
     S::pair_rows4(a.p, a.i + k, a.j + k, d);
-    if (a.periodic != 0)
-      for (int c = 0; c < 3; ++c) minimum_image<S>(d[c], a.half[c], a.period[c]);
-    for (int c = 0; c < 4; ++c) S::store(a.x[c] + k, d[c]);
+    if constexpr (Periodic) minimum_image<S>(d, a.half, a.period);
     if constexpr (Rotation)
       S::pair_rows8(a.v, a.i + k, a.j + k, r);
     else
       S::pair_rows4(a.v, a.i + k, a.j + k, r);
+    for (int c = 0; c < 4; ++c) S::store(a.x[c] + k, d[c]);
     for (int c = 0; c < rows; ++c) S::store(a.r[c] + k, r[c]);
+    const B dist = store_geometry<S>(d, d[3], r[rows - 1], a.g, k);
+    touched_deep |= S::any(S::lt(dist, d[3] * deep)) ? 1 : 0;
   }
-  for (int k = a.n; k < (a.n + 7) / 8 * 8; ++k) {  // padding lanes: a harmless distant pair
-    a.x[0][k] = a.x[3][k] = 1;
-    a.x[1][k] = a.x[2][k] = 0;
-  }
+  a.deep_found |= touched_deep;
   if (a.reff != nullptr)
     for (int k = 0; k < a.n; ++k) {
       const double ri = a.p[4L * a.i[k] + 3], rj = a.p[4L * a.j[k] + 3];
@@ -141,6 +197,22 @@ void gather(const GatherArgs& a) {
     }
   if (a.pair != nullptr)
     for (int k = 0; k < a.n; ++k) a.pair[k] = a.material[a.i[k]] * a.materials + a.material[a.j[k]];
+}
+
+template <class S, bool Rotation>
+void gather(GatherArgs& a) {
+  if (a.periodic != 0)
+    gather_block<S, Rotation, true>(a);
+  else
+    gather_block<S, Rotation, false>(a);
+}
+
+template <class S, bool Rotation>
+TALUS_INLINE void scatter_rows(const ScatterArgs& a, int k, const typename S::B* r, unsigned both) {
+  if constexpr (Rotation)
+    S::scatter8(a.f, a.i + k, a.j + k, r, both);
+  else
+    S::scatter4(a.f, a.i + k, a.j + k, r, both);
 }
 
 /// Adds the block's force rows to the particles, contact by contact in list order (I3).
@@ -152,12 +224,16 @@ void scatter(const ScatterArgs& a) {
   for (; k + S::W <= a.n; k += S::W) {
     B r[rows];
     for (int c = 0; c < rows; ++c) r[c] = S::load(a.r[c] + k);
-    bool both[S::W];
-    for (int q = 0; q < S::W; ++q) both[q] = k + q >= a.both_from && k + q < a.both_to;
-    if constexpr (Rotation)
-      S::scatter8(a.f, a.i + k, a.j + k, r, both);
-    else
-      S::scatter4(a.f, a.i + k, a.j + k, r, both);
+    // constants in the usual cases: the tests per contact vanish
+    if (k >= a.both_from && k + S::W <= a.both_to) {
+      scatter_rows<S, Rotation>(a, k, r, (1U << S::W) - 1U);
+    } else if (k + S::W <= a.both_from || k >= a.both_to) {
+      scatter_rows<S, Rotation>(a, k, r, 0U);
+    } else {
+      unsigned both = 0;
+      for (int q = 0; q < S::W; ++q) both |= (k + q >= a.both_from && k + q < a.both_to ? 1U : 0U) << q;
+      scatter_rows<S, Rotation>(a, k, r, both);
+    }
   }
   for (; k < a.n; ++k) {
     double* fa = a.f + static_cast<long>(rows) * a.i[k];

@@ -33,6 +33,7 @@ struct Scalar {
   TALUS_INLINE static void store(double* p, B a) { *p = a.v; }
   TALUS_INLINE static B sqrt(B a) { return {__builtin_sqrt(a.v)}; }
   TALUS_INLINE static B abs(B a) { return {__builtin_fabs(a.v)}; }
+  TALUS_INLINE static B copysign(B size, B sign) { return {__builtin_copysign(size.v, sign.v)}; }
   TALUS_INLINE static M lt(B a, B b) { return a.v < b.v; }
   TALUS_INLINE static M gt(B a, B b) { return a.v > b.v; }
   TALUS_INLINE static bool any(M m) { return m; }
@@ -53,22 +54,22 @@ struct Scalar {
   TALUS_INLINE static void compress_index(std::int32_t* p, const std::int32_t* src, M m) {
     if (m) *p = *src;
   }
-  /// Adds W force rows of 8 (or 4) lanes to rows of f; `plus` rows get +, `minus` rows get the partner's sign.
+  /// Adds W force rows of 8 (or 4) lanes to rows of f; bit k of `both`: contact k acts on its partner, too.
   TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r,
-                                    const bool* both) {
+                                    unsigned both) {
     double* fa = f + 8L * a[0];
     for (int k = 0; k < 8; ++k) fa[k] = fa[k] + r[k].v;
-    if (both[0]) {
+    if ((both & 1U) != 0) {
       double* fb = f + 8L * b[0];
       for (int k = 0; k < 3; ++k) fb[k] = fb[k] - r[k].v;
       for (int k = 3; k < 8; ++k) fb[k] = fb[k] + r[k].v;
     }
   }
   TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r,
-                                    const bool* both) {
+                                    unsigned both) {
     double* fa = f + 4L * a[0];
     for (int k = 0; k < 4; ++k) fa[k] = fa[k] + r[k].v;
-    if (both[0]) {
+    if ((both & 1U) != 0) {
       double* fb = f + 4L * b[0];
       for (int k = 0; k < 3; ++k) fb[k] = fb[k] - r[k].v;
       fb[3] = fb[3] + r[3].v;
@@ -105,6 +106,13 @@ struct Scalar {
     for (int k = 0; k < 4; ++k) p[k] = a.v[k];
   }
   TALUS_INLINE static R4 set4(double a) { return {{a, a, a, a}}; }
+  /// Whether in any lane x < lower, not x < upper, or not |d| < half (true for NaN).
+  TALUS_INLINE static bool outside4(const R4& x, const R4& lower, const R4& upper, const R4& d, const R4& half) {
+    bool out = false;
+    for (int k = 0; k < 4; ++k)
+      out = out || x.v[k] < lower.v[k] || !(x.v[k] < upper.v[k]) || !(__builtin_fabs(d.v[k]) < half.v[k]);
+    return out;
+  }
   TALUS_INLINE static unsigned lt4(const R4& a, const R4& b) {
     unsigned m = 0;
     for (int k = 0; k < 4; ++k) m |= (a.v[k] < b.v[k] ? 1U : 0U) << k;
@@ -179,6 +187,10 @@ struct Sse2 {
   TALUS_INLINE static void store(double* p, B a) { _mm_storeu_pd(p, a); }
   TALUS_INLINE static B sqrt(B a) { return _mm_sqrt_pd(a); }
   TALUS_INLINE static B abs(B a) { return _mm_andnot_pd(_mm_set1_pd(-0.0), a); }
+  TALUS_INLINE static B copysign(B size, B sign) {
+    const __m128d bit = _mm_set1_pd(-0.0);
+    return _mm_or_pd(_mm_andnot_pd(bit, size), _mm_and_pd(bit, sign));
+  }
   TALUS_INLINE static M lt(B a, B b) { return _mm_cmplt_pd(a, b); }
   TALUS_INLINE static M gt(B a, B b) { return _mm_cmpgt_pd(a, b); }
   TALUS_INLINE static bool any(M m) { return _mm_movemask_pd(m) != 0; }
@@ -219,24 +231,23 @@ struct Sse2 {
     }
   }
   template <int N>
-  TALUS_INLINE static void scatter(double* f, const std::int32_t* a, const std::int32_t* b, const B* r,
-                                   const bool* both) {
+  TALUS_INLINE static void scatter(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, unsigned both) {
     __m128d row0[N / 2], row1[N / 2];
     for (int k = 0; k < N / 2; ++k) {
       row0[k] = _mm_unpacklo_pd(r[2 * k], r[2 * k + 1]);
       row1[k] = _mm_unpackhi_pd(r[2 * k], r[2 * k + 1]);
     }
     add_row(f + static_cast<long>(N) * a[0], row0, N / 2, false);
-    if (both[0]) add_row(f + static_cast<long>(N) * b[0], row0, N / 2, true);
+    if ((both & 1U) != 0) add_row(f + static_cast<long>(N) * b[0], row0, N / 2, true);
     add_row(f + static_cast<long>(N) * a[1], row1, N / 2, false);
-    if (both[1]) add_row(f + static_cast<long>(N) * b[1], row1, N / 2, true);
+    if (((both >> 1) & 1U) != 0) add_row(f + static_cast<long>(N) * b[1], row1, N / 2, true);
   }
   TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r,
-                                    const bool* both) {
+                                    unsigned both) {
     scatter<8>(f, a, b, r, both);
   }
   TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r,
-                                    const bool* both) {
+                                    unsigned both) {
     scatter<4>(f, a, b, r, both);
   }
   struct R4 {
@@ -260,6 +271,14 @@ struct Sse2 {
     _mm_store_pd(p + 2, a.v[1]);
   }
   TALUS_INLINE static R4 set4(double a) { return {{_mm_set1_pd(a), _mm_set1_pd(a)}}; }
+  TALUS_INLINE static bool outside4(const R4& x, const R4& lower, const R4& upper, const R4& d, const R4& half) {
+    const __m128d sign = _mm_set1_pd(-0.0);
+    __m128d m = _mm_setzero_pd();
+    for (int k = 0; k < 2; ++k)
+      m = _mm_or_pd(m, _mm_or_pd(_mm_or_pd(_mm_cmplt_pd(x.v[k], lower.v[k]), _mm_cmpnlt_pd(x.v[k], upper.v[k])),
+                                 _mm_cmpnlt_pd(_mm_andnot_pd(sign, d.v[k]), half.v[k])));
+    return _mm_movemask_pd(m) != 0;
+  }
   TALUS_INLINE static unsigned lt4(const R4& a, const R4& b) {
     return static_cast<unsigned>(_mm_movemask_pd(_mm_cmplt_pd(a.v[0], b.v[0])) |
                                  _mm_movemask_pd(_mm_cmplt_pd(a.v[1], b.v[1])) << 2);
@@ -349,6 +368,17 @@ constexpr LaneTable make_lane_table() {
   }
   return t;
 }
+/// Byte shuffles that move the 32-bit lanes chosen by a four-bit mask to the front.
+alignas(16) inline constexpr std::int8_t k_compress4[16][16] = {
+    {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3},       {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3},
+    {4, 5, 6, 7, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3},       {0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 0, 1, 2, 3},
+    {8, 9, 10, 11, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3},     {0, 1, 2, 3, 8, 9, 10, 11, 0, 1, 2, 3, 0, 1, 2, 3},
+    {4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 0, 1, 2, 3},     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3},
+    {12, 13, 14, 15, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3},   {0, 1, 2, 3, 12, 13, 14, 15, 0, 1, 2, 3, 0, 1, 2, 3},
+    {4, 5, 6, 7, 12, 13, 14, 15, 0, 1, 2, 3, 0, 1, 2, 3},   {0, 1, 2, 3, 4, 5, 6, 7, 12, 13, 14, 15, 0, 1, 2, 3},
+    {8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 0, 1, 2, 3}, {0, 1, 2, 3, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3},
+    {4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3}, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15},
+};
 
 struct Avx2 {
   static constexpr int W = 4;
@@ -360,6 +390,10 @@ struct Avx2 {
   TALUS_INLINE static void store(double* p, B a) { _mm256_storeu_pd(p, a); }
   TALUS_INLINE static B sqrt(B a) { return _mm256_sqrt_pd(a); }
   TALUS_INLINE static B abs(B a) { return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a); }
+  TALUS_INLINE static B copysign(B size, B sign) {
+    const __m256d bit = _mm256_set1_pd(-0.0);
+    return _mm256_or_pd(_mm256_andnot_pd(bit, size), _mm256_and_pd(bit, sign));
+  }
   TALUS_INLINE static M lt(B a, B b) { return _mm256_cmp_pd(a, b, _CMP_LT_OQ); }
   TALUS_INLINE static M gt(B a, B b) { return _mm256_cmp_pd(a, b, _CMP_GT_OQ); }
   TALUS_INLINE static bool any(M m) { return _mm256_movemask_pd(m) != 0; }
@@ -395,11 +429,14 @@ struct Avx2 {
       o[k + 4] = q[k];
     }
   }
+  /// Reads and writes four indices whatever the mask says; the padding allows it.
   TALUS_INLINE static void compress_index(std::int32_t* p, const std::int32_t* src, M m) {
-    for (unsigned k = bits(m); k != 0; k &= k - 1) *p++ = src[__builtin_ctz(k)];
+    const __m128i v = _mm_loadu_si128(reinterpret_cast<const __m128i*>(src));
+    const __m128i order = _mm_load_si128(reinterpret_cast<const __m128i*>(k_compress4[bits(m)]));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm_shuffle_epi8(v, order));
   }
   TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r,
-                                    const bool* both) {
+                                    unsigned both) {
     __m256d p[4] = {r[0], r[1], r[2], r[3]}, q[4] = {r[4], r[5], r[6], r[7]};
     transpose(p[0], p[1], p[2], p[3]);
     transpose(q[0], q[1], q[2], q[3]);
@@ -408,7 +445,7 @@ struct Avx2 {
       double* fa = f + 8L * a[k];
       _mm256_store_pd(fa, _mm256_add_pd(_mm256_load_pd(fa), p[k]));
       _mm256_store_pd(fa + 4, _mm256_add_pd(_mm256_load_pd(fa + 4), q[k]));
-      if (both[k]) {
+      if (((both >> k) & 1U) != 0) {
         double* fb = f + 8L * b[k];
         _mm256_store_pd(fb, _mm256_add_pd(_mm256_load_pd(fb), _mm256_xor_pd(p[k], s)));
         _mm256_store_pd(fb + 4, _mm256_add_pd(_mm256_load_pd(fb + 4), q[k]));
@@ -416,14 +453,14 @@ struct Avx2 {
     }
   }
   TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r,
-                                    const bool* both) {
+                                    unsigned both) {
     __m256d p[4] = {r[0], r[1], r[2], r[3]};
     transpose(p[0], p[1], p[2], p[3]);
     const __m256d s = _mm256_set_pd(0.0, -0.0, -0.0, -0.0);
     for (int k = 0; k < 4; ++k) {
       double* fa = f + 4L * a[k];
       _mm256_store_pd(fa, _mm256_add_pd(_mm256_load_pd(fa), p[k]));
-      if (both[k]) {
+      if (((both >> k) & 1U) != 0) {
         double* fb = f + 4L * b[k];
         _mm256_store_pd(fb, _mm256_add_pd(_mm256_load_pd(fb), _mm256_xor_pd(p[k], s)));
       }
@@ -439,6 +476,11 @@ struct Avx2 {
   TALUS_INLINE static R4 load4(const double* p) { return _mm256_load_pd(p); }
   TALUS_INLINE static void store4(double* p, R4 a) { _mm256_store_pd(p, a); }
   TALUS_INLINE static R4 set4(double a) { return _mm256_set1_pd(a); }
+  TALUS_INLINE static bool outside4(R4 x, R4 lower, R4 upper, R4 d, R4 half) {
+    const __m256d far = _mm256_cmp_pd(_mm256_andnot_pd(_mm256_set1_pd(-0.0), d), half, _CMP_NLT_UQ);
+    const __m256d m = _mm256_or_pd(_mm256_cmp_pd(x, lower, _CMP_LT_OQ), _mm256_cmp_pd(x, upper, _CMP_NLT_UQ));
+    return _mm256_movemask_pd(_mm256_or_pd(m, far)) != 0;
+  }
   TALUS_INLINE static unsigned lt4(R4 a, R4 b) {
     return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LT_OQ)));
   }
@@ -528,6 +570,10 @@ struct Avx512 {
   TALUS_INLINE static void store(double* p, B a) { _mm512_storeu_pd(p, a); }
   TALUS_INLINE static B sqrt(B a) { return _mm512_sqrt_pd(a); }
   TALUS_INLINE static B abs(B a) { return _mm512_abs_pd(a); }
+  TALUS_INLINE static B copysign(B size, B sign) {
+    return _mm512_castsi512_pd(_mm512_ternarylogic_epi64(_mm512_set1_epi64(INT64_MIN), _mm512_castpd_si512(sign),
+                                                         _mm512_castpd_si512(size), 0xca));
+  }
   TALUS_INLINE static M lt(B a, B b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ); }
   TALUS_INLINE static M gt(B a, B b) { return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ); }
   TALUS_INLINE static bool any(M m) { return m != 0; }
@@ -584,21 +630,21 @@ struct Avx512 {
                         _mm256_maskz_compress_epi32(m, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(src))));
   }
   TALUS_INLINE static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* in,
-                                    const bool* both) {
+                                    unsigned both) {
     __m512d r[8] = {in[0], in[1], in[2], in[3], in[4], in[5], in[6], in[7]};
     transpose(r);
     const __m512d s = _mm512_castsi512_pd(_mm512_set_epi64(0, 0, 0, 0, 0, INT64_MIN, INT64_MIN, INT64_MIN));
     for (int k = 0; k < 8; ++k) {
       double* fa = f + 8L * a[k];
       _mm512_store_pd(fa, _mm512_add_pd(_mm512_load_pd(fa), r[k]));
-      if (both[k]) {
+      if (((both >> k) & 1U) != 0) {
         double* fb = f + 8L * b[k];
         _mm512_store_pd(fb, _mm512_add_pd(_mm512_load_pd(fb), _mm512_xor_pd(r[k], s)));
       }
     }
   }
   TALUS_INLINE static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* in,
-                                    const bool* both) {
+                                    unsigned both) {
     const __m512d t0 = _mm512_unpacklo_pd(in[0], in[1]), t1 = _mm512_unpackhi_pd(in[0], in[1]);
     const __m512d t2 = _mm512_unpacklo_pd(in[2], in[3]), t3 = _mm512_unpackhi_pd(in[2], in[3]);
     const __m256d s = _mm256_castsi256_pd(_mm256_set_epi64x(0, INT64_MIN, INT64_MIN, INT64_MIN));
@@ -610,7 +656,7 @@ struct Avx512 {
       const __m256d row = k < 4 ? _mm512_castpd512_pd256(q[k]) : _mm512_extractf64x4_pd(q[k - 4], 1);
       double* fa = f + 4L * a[k];
       _mm256_store_pd(fa, _mm256_add_pd(_mm256_load_pd(fa), row));
-      if (both[k]) {
+      if (((both >> k) & 1U) != 0) {
         double* fb = f + 4L * b[k];
         _mm256_store_pd(fb, _mm256_add_pd(_mm256_load_pd(fb), _mm256_xor_pd(row, s)));
       }
@@ -624,6 +670,12 @@ struct Avx512 {
   TALUS_INLINE static R4 load4(const double* p) { return _mm256_load_pd(p); }
   TALUS_INLINE static void store4(double* p, R4 a) { _mm256_store_pd(p, a); }
   TALUS_INLINE static R4 set4(double a) { return _mm256_set1_pd(a); }
+  TALUS_INLINE static bool outside4(R4 x, R4 lower, R4 upper, R4 d, R4 half) {
+    // as bit masks of AVX2 form: three masks in k registers would have to be moved one by one
+    const __m256d far = _mm256_cmp_pd(_mm256_andnot_pd(_mm256_set1_pd(-0.0), d), half, _CMP_NLT_UQ);
+    const __m256d m = _mm256_or_pd(_mm256_cmp_pd(x, lower, _CMP_LT_OQ), _mm256_cmp_pd(x, upper, _CMP_NLT_UQ));
+    return _mm256_movemask_pd(_mm256_or_pd(m, far)) != 0;
+  }
   TALUS_INLINE static unsigned lt4(R4 a, R4 b) { return _mm256_cmp_pd_mask(a, b, _CMP_LT_OQ); }
   TALUS_INLINE static R4 and4(R4 a, unsigned m) { return _mm256_maskz_mov_pd(static_cast<__mmask8>(m), a); }
   TALUS_INLINE static R8 add8(R8 a, R8 b) { return _mm512_add_pd(a, b); }

@@ -36,6 +36,7 @@ constexpr KernelTable make_table() {
   t.narrow = narrow<S>;
   t.gather[0] = gather<S, false>;
   t.gather[1] = gather<S, true>;
+  t.geometry = geometry<S>;
   t.scatter[0] = scatter<S, false>;
   t.scatter[1] = scatter<S, true>;
   t.integrate[0] = integrate<S, false>;

@@ -22,11 +22,10 @@ struct NarrowArgs {
   int history;                ///< history columns
   const double* h_old[k_max_history];
   double* h_new[k_max_history];
-  double deep;  ///< a pair with d < deep * (r_i + r_j) is reported
   // results
   std::int32_t *ci, *cj;        ///< [contacts + pad]
   std::int64_t contact_end[3];  ///< contact ends of the three sections
-  std::int64_t deep_slot;       ///< some slot deeper than `deep`, or -1
+  int history_moved;  ///< 0: every slot touches as before, the history stays valid in h_old and h_new is unset
 };
 
 /// Coefficients of one material pair as the laws use them; see kernels/models for which entries a law reads.
@@ -38,8 +37,9 @@ struct PairParameters {
 
 /// One block of up to k_block contacts in L1: relative geometry and motion in, force and torque rows out.
 struct Block {
-  int n;                         ///< contacts; arrays are padded with harmless values to a multiple of 8
-  const double *x, *y, *z, *w;   ///< centre difference [m], sum of radii [m]
+  int n;                               ///< contacts; arrays are padded with harmless values to a multiple of 8
+  const double *x, *y, *z, *w;         ///< centre difference [m], sum of radii [m]
+  const double (*g)[k_block + k_pad];  ///< distance d [m], 1/d [1/m], effective mass [kg], lever d/w [-]
   double (*r)[k_block + k_pad];  ///< in: 0..2 v_i - v_j [m/s], 4..6 r_i w_i + r_j w_j [m/s], 7 1/m_i + 1/m_j [1/kg]
                                  ///< (without rotation: 3 holds 1/m_i + 1/m_j); out: 0..2 force on i [N], 3 stiffness
                                  ///< [N/m] for the stability bound, 4..6 torque / radius [N]
@@ -70,8 +70,18 @@ struct GatherArgs {
   double half[3], period[3];   ///< as in NarrowArgs
   const std::int32_t* next_j;  ///< partner rows of the next block, prefetched; next_n of them
   int next_n;
-  double* reff;        ///< or null
-  std::int32_t* pair;  ///< or null
+  double (*g)[k_block + k_pad];  ///< out: geometry, see Block::g
+  double deep;                   ///< a contact with d < deep * (r_i + r_j) ...
+  int deep_found;                ///< ... sets this
+  double* reff;                  ///< or null
+  std::int32_t* pair;            ///< or null
+};
+
+/// Geometry of contacts that do not come from a pair list (walls).
+struct GeometryArgs {
+  int n;
+  const double *x, *y, *z, *w, *ms;  ///< centre difference [m], sum of radii [m], sum of inverse masses [1/kg]
+  double (*g)[k_block + k_pad];      ///< out: see Block::g
 };
 
 struct ScatterArgs {
@@ -85,10 +95,11 @@ struct ScatterArgs {
 /// Integration of rows [lo, hi): v(n-1/2) -> v(n+1/2), x(n) -> x(n+1), displacement check against the list's reference.
 struct IntegrateArgs {
   std::int32_t lo, hi;
-  const double *p, *v, *f;  ///< rows; f indexed by absolute row
-  double *p2, *v2;          ///< new rows
-  const double* x0;         ///< list reference rows {x, y, z, skin^2}
-  double dt, kick;          ///< kick = dt, or dt/2 in the first step of velocity Verlet
+  const double *p, *v;  ///< rows
+  double* f;            ///< force rows, indexed by absolute row; left zero for the next user of the scratch
+  double *p2, *v2;      ///< new rows
+  const double* x0;     ///< list reference rows {x, y, z, skin^2}
+  double dt, kick;      ///< kick = dt, or dt/2 in the first step of velocity Verlet
   double gravity[3];
   alignas(32) double upper[4], wrap[4];  ///< domain size per axis (lane 3: 1e300) and period (0 where not periodic)
   alignas(32) double half[4];            ///< half period or 1e300
@@ -142,7 +153,8 @@ struct KernelTable {
   const char* name;
   int width;
   void (*narrow)(NarrowArgs&);
-  void (*gather[2])(const GatherArgs&);    ///< [rotation]
+  void (*gather[2])(GatherArgs&);  ///< [rotation]
+  void (*geometry)(const GeometryArgs&);
   void (*scatter[2])(const ScatterArgs&);  ///< [rotation]
   void (*integrate[2])(IntegrateArgs&);    ///< [rotation]
   void (*search)(SearchArgs&);

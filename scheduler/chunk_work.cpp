@@ -68,6 +68,27 @@ void permute_contacts(const World& w, Chunk& c, const std::vector<std::int64_t>&
   for (int q = 0; q < w.has.history_columns; ++q) permute(c.h[q]);
 }
 
+/// Records the first of n contacts from k0 on whose overlap exceeds the scene's bound.
+void find_deep(const World& w, Chunk& c, std::int64_t k0, int n) {
+  const Scratch& s = *c.scratch;
+  for (std::int64_t k = k0; k < k0 + n && c.deep_slot < 0; ++k) {
+    const double *p = w.p.data() + 4L * s.ci[static_cast<std::size_t>(k)],
+                 *o = w.p.data() + 4L * s.cj[static_cast<std::size_t>(k)];
+    double d2 = 0;
+    for (int q = 0; q < 3; ++q) {
+      double x = p[q] - o[q];
+      if (w.scene.domain.periodic(q))
+        x = x > 0.5 * w.size[q] ? x - w.size[q] : (x < -0.5 * w.size[q] ? x + w.size[q] : x);
+      d2 += x * x;
+    }
+    if (p[3] + o[3] - __builtin_sqrt(d2) <= w.scene.max_overlap * fmin2(p[3], o[3])) continue;
+    c.deep_slot = k;
+    c.row_buffer.resize(2);
+    c.row_buffer[0] = s.ci[static_cast<std::size_t>(k)];
+    c.row_buffer[1] = s.cj[static_cast<std::size_t>(k)];
+  }
+}
+
 }  // namespace
 
 Block evaluate_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers& buffers) {
@@ -85,6 +106,10 @@ Block evaluate_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers&
   g.n = b.n;
   g.x = buffers.x;
   g.r = buffers.r;
+  g.g = buffers.g;
+  // d < w (1 - max_overlap r_small / (r_small + r_large)) for the most unequal pair; confirmed exactly by find_deep
+  const bool relaxing = w.step < w.scene.relax.steps;
+  g.deep = relaxing ? 0.0 : fmax2(0.0, 1.0 - w.scene.max_overlap * w.r_min / (w.r_min + w.r_max));
   g.periodic = w.has.periodic ? 1 : 0;
   for (int k = 0; k < 3; ++k) {
     const bool periodic = w.scene.domain.periodic(k);
@@ -96,10 +121,12 @@ Block evaluate_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers&
   g.reff = w.has.reff ? buffers.reff : nullptr;
   g.pair = w.has.materials ? buffers.pair : nullptr;
   w.kernels->gather[w.has.rotation ? 1 : 0](g);
+  if (g.deep_found != 0) find_deep(w, c, k0, b.n);
   b.x = buffers.x[0];
   b.y = buffers.x[1];
   b.z = buffers.x[2];
   b.w = buffers.x[3];
+  b.g = buffers.g;
   b.r = buffers.r;
   for (int k = 0; k < w.has.history_columns; ++k) b.h[k] = c.h[k].data() + k0;
   b.reff = buffers.reff;
@@ -165,44 +192,26 @@ void narrow_chunk(World& w, Chunk& c) {
     a.h_old[k] = c.h[k].data();
     a.h_new[k] = s.h[k].data();
   }
-  // d < w (1 - max_overlap r_small / (r_small + r_large)) for the most unequal pair; confirmed exactly below
-  const bool relaxing = w.step < w.scene.relax.steps;
-  a.deep = relaxing ? 0.0 : fmax2(0.0, 1.0 - w.scene.max_overlap * w.r_min / (w.r_min + w.r_max));
   a.ci = s.ci.data();
   a.cj = s.cj.data();
   w.kernels->narrow(a);
   for (int k = 0; k < 3; ++k) c.contact_end[k] = a.contact_end[k];
-  for (int k = 0; k < a.history; ++k) std::swap(c.h[k], s.h[k]);
+  if (a.history_moved != 0)
+    for (int k = 0; k < a.history; ++k) std::swap(c.h[k], s.h[k]);
   pad_contacts(w, s, c.contact_end[2]);
   c.deep_slot = -1;
-  if (a.deep_slot >= 0) {
-    for (std::int64_t k = 0; k < c.contact_end[2]; ++k) {
-      const double *p = w.p.data() + 4L * s.ci[k], *o = w.p.data() + 4L * s.cj[k];
-      double d2 = 0;
-      for (int q = 0; q < 3; ++q) {
-        double x = p[q] - o[q];
-        x = x > a.half[q] ? x - a.period[q] : (x < -a.half[q] ? x + a.period[q] : x);
-        d2 += x * x;
-      }
-      const double d = __builtin_sqrt(d2);
-      const double small = fmin2(w.p[4L * s.ci[k] + 3], w.p[4L * s.cj[k] + 3]);
-      if (p[3] + o[3] - d > w.scene.max_overlap * small) {
-        c.deep_slot = k;
-        c.row_buffer.resize(2);
-        c.row_buffer[0] = s.ci[k];
-        c.row_buffer[1] = s.cj[k];
-        break;
-      }
-    }
-  }
 }
 
 void force_chunk(World& w, Chunk& c) {
   NodeTimer timer(w, c, Node::contact_force);
   Scratch& s = *c.scratch;
   const int rows = c.hi - c.lo;
-  grow(s.f, static_cast<std::size_t>(rows) * w.stride);
-  std::memset(s.f.data(), 0, static_cast<std::size_t>(rows) * w.stride * sizeof(double));
+  if (s.f.size() < static_cast<std::size_t>(rows) * w.stride) {
+    grow(s.f, static_cast<std::size_t>(rows) * w.stride);
+    s.clean = false;
+  }
+  if (!s.clean) std::memset(s.f.data(), 0, s.f.size() * sizeof(double));
+  s.clean = false;
   if (w.has.energies) std::memset(w.energy.data() + 4L * c.lo, 0, static_cast<std::size_t>(rows) * 4 * sizeof(double));
   BlockBuffers buffers;
   const int rotation = w.has.rotation ? 1 : 0;
@@ -268,7 +277,7 @@ void wall_chunk(World& w, Chunk& c) {
   // A wall is a partner of radius 0 and infinite mass at rest in its own spin: the same laws apply.
   alignas(64) double bx[k_block + k_pad], by[k_block + k_pad], bz[k_block + k_pad], bw[k_block + k_pad];
   alignas(64) double r[8][k_block + k_pad], e[3][k_block + k_pad], h[k_max_history][k_block + k_pad],
-      reff[k_block + k_pad];
+      g[4][k_block + k_pad], reff[k_block + k_pad];
   alignas(64) std::int32_t pair[k_block + k_pad];
   const auto law = w.kernels->law[w.law_variant];
   const int mass_lane = w.has.rotation ? 7 : 3;
@@ -305,7 +314,9 @@ void wall_chunk(World& w, Chunk& c) {
     b.y = by;
     b.z = bz;
     b.w = bw;
+    b.g = g;
     b.r = r;
+    w.kernels->geometry(GeometryArgs{n, bx, by, bz, bw, r[mass_lane], g});
     for (int q = 0; q < w.has.history_columns; ++q) b.h[q] = h[q];
     b.reff = reff;
     b.pair = pair;
@@ -372,6 +383,7 @@ void integrate_chunk(World& w, Chunk& c) {
   if (w.options.seeded_fault == 4 && w.step == 50 && c.index == 0)
     s.f[0] = __builtin_nan("");  // tests only: a force that is no number
   w.kernels->integrate[w.has.rotation ? 1 : 0](a);
+  s.clean = true;  // it leaves zeros behind: a pass of its own over the rows would cost 1 ns per particle
   c.out_count = a.out_count;
   c.expired = a.expired;
   c.unstable_row = a.unstable_row;

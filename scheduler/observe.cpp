@@ -67,6 +67,7 @@ void record_contacts(World& w, std::vector<ContactRecord>& out, std::vector<std:
       Scratch& f = *c.scratch;
       const auto size = static_cast<std::size_t>(c.hi - c.lo) * static_cast<std::size_t>(w.stride);
       if (f.f.size() < size) f.f.resize(size);
+      f.clean = false;
       const auto force = c.wall_force;
       const auto point = c.wall_point;
       wall_chunk(w, c);

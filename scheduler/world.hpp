@@ -53,7 +53,8 @@ struct ContactEntry {
 /// Per-execution buffers of one chunk between narrow phase and integration; pooled so that they stay in cache.
 struct Scratch {
   Column<std::int32_t> ci, cj;
-  Column<double> f;                 ///< force rows of the chunk
+  Column<double> f;                 ///< force rows of the chunk; all zero while `clean`
+  bool clean = false;
   Column<double> h[k_max_history];  ///< history of the present step, swapped with the chunk's
 };
 
@@ -244,7 +245,8 @@ void rebuild_lists(World& w);  ///< fill_cells, lists, history
 void narrow_chunk(World& w, Chunk& c);
 /// L1 buffers of one block of contacts; padding lanes must hold finite values.
 struct BlockBuffers {
-  alignas(64) double x[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad], reff[k_block + k_pad];
+  alignas(64) double x[4][k_block + k_pad], g[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad],
+      reff[k_block + k_pad];
   alignas(64) std::int32_t pair[k_block + k_pad];
   BlockBuffers() noexcept {
     for (int k = 0; k < k_block + k_pad; ++k) {

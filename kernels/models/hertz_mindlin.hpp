@@ -21,8 +21,10 @@ struct HertzMindlin {
 };
 
 template <class S, bool Friction, bool Multi, bool Energy>
-void force(HertzMindlin, Block& b, const LawArgs& a) {
+void force(HertzMindlin, Block& block, const LawArgs& args) {
   using B = typename S::B;
+  const LawArgs a = args;  // local copies: the stores below cannot alias them
+  const Block b = block;
   const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt), hdt = S::set(0.5 * a.dt);
   const B hdt_t = S::set(0.5 * 3.5 * a.dt), two_fifths = S::set(0.4);
   Coefficients<S, Multi> c;
@@ -32,8 +34,7 @@ void force(HertzMindlin, Block& b, const LawArgs& a) {
     const B x[3] = {S::load(b.x + k), S::load(b.y + k), S::load(b.z + k)};
     const B v[3] = {S::load(b.r[0] + k), S::load(b.r[1] + k), S::load(b.r[2] + k)};
     const B ms = S::load(b.r[Friction ? 7 : 3] + k), w = S::load(b.w + k), reff = S::load(b.reff + k);
-    const B d = S::sqrt((x[0] * x[0] + x[1] * x[1]) + x[2] * x[2]);
-    const B inv = one / d, delta = w - d;
+    const B d = S::load(b.g[0] + k), inv = S::load(b.g[1] + k), delta = w - d;
     const B n[3] = {x[0] * inv, x[1] * inv, x[2] * inv};
     const B vn = (v[0] * n[0] + v[1] * n[1]) + v[2] * n[2];
     const B radius = S::sqrt(reff * delta), sn = c.kn * radius;
@@ -51,7 +52,7 @@ void force(HertzMindlin, Block& b, const LawArgs& a) {
       S::store(b.e[2] + k, zero);
     }
     if constexpr (Friction) {
-      const B lever = a.contact_lever != 0 ? d / w : one;
+      const B lever = a.contact_lever != 0 ? S::load(b.g[3] + k) : one;
       const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
       B t[3];
       tangential_velocity<S>(v, s, n, vn, inv, a.dt, a.synchronised, t);
@@ -102,7 +103,6 @@ void force(HertzMindlin, Block& b, const LawArgs& a) {
       S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));
       S::store(b.r[5] + k, lever * (n[0] * g[2] - n[2] * g[0]));
       S::store(b.r[6] + k, lever * (n[1] * g[0] - n[0] * g[1]));
-      S::store(b.r[7] + k, zero);
     }
     S::store(b.r[0] + k, f[0]);
     S::store(b.r[1] + k, f[1]);

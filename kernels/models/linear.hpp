@@ -91,9 +91,10 @@ struct LinearFactors {
 };
 
 template <class S, bool Friction, bool Multi, bool Energy>
-void force(Linear, Block& b, const LawArgs& args) {
+void force(Linear, Block& block, const LawArgs& args) {
   using B = typename S::B;
-  const LawArgs a = args;
+  const LawArgs a = args;  // local copies: the stores below cannot alias them
+  const Block b = block;
   const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt), hdt = S::set(0.5 * a.dt);
   Coefficients<S, Multi> c;
   LinearFactors<S> shared{};
@@ -104,16 +105,12 @@ void force(Linear, Block& b, const LawArgs& args) {
     if constexpr (Multi) c.load(b, a, k);
     const B x[3] = {S::load(b.x + k), S::load(b.y + k), S::load(b.z + k)};
     const B v[3] = {S::load(b.r[0] + k), S::load(b.r[1] + k), S::load(b.r[2] + k)};
-    const B ms = S::load(b.r[Friction ? 7 : 3] + k), w = S::load(b.w + k);
-    const B d = S::sqrt((x[0] * x[0] + x[1] * x[1]) + x[2] * x[2]);
-    // 1/d, m_eff = 1/ms and d/w from a single division
-    const B dw = d * w, q = one / (dw * ms), wms = w * ms;
-    const B inv = q * wms, meff = q * dw, delta = w - d;
+    const B inv = S::load(b.g[1] + k), meff = S::load(b.g[2] + k), delta = S::load(b.w + k) - S::load(b.g[0] + k);
     const B n[3] = {x[0] * inv, x[1] * inv, x[2] * inv};
     const B vn = (v[0] * n[0] + v[1] * n[1]) + v[2] * n[2];
     LinearFactors<S> f = shared;
     if (!constant) {
-      const B root = a.by_restitution != 0 ? S::sqrt(c.kn * ms) : one;
+      const B root = a.by_restitution != 0 ? S::sqrt(c.kn * S::load(b.r[Friction ? 7 : 3] + k)) : one;
       f.set(c.kt, c.gn * root, c.gt, a);  // the tangential rate stays in 1/s
     }
     B fn = c.kn * delta;
@@ -138,7 +135,7 @@ void force(Linear, Block& b, const LawArgs& args) {
       S::store(b.e[2] + k, zero);
     }
     if constexpr (Friction) {
-      const B lever = a.contact_lever != 0 ? (d * d) * (q * ms) : one;
+      const B lever = a.contact_lever != 0 ? S::load(b.g[3] + k) : one;
       const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
       B t[3];
       tangential_velocity<S>(v, s, n, vn, inv, a.dt, a.synchronised, t);
@@ -153,14 +150,13 @@ void force(Linear, Block& b, const LawArgs& args) {
       const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
       const B limit = c.mu * S::select(S::gt(fn, zero), fn, zero);
       const auto slides = S::gt(g2, limit * limit);
-      if (S::any(slides)) {
-        // Coulomb: scale the force, and set the spring to what carries the scaled force.
-        const B scale = S::select(slides, limit / S::sqrt(g2), one);
-        const B gs = gm * f.shrink_t;
-        for (int p = 0; p < 3; ++p) {
-          g[p] = g[p] * scale;
-          h[p] = S::select(slides, zero - (g[p] + gs * t[p]) * f.back, h[p]);
-        }
+      // Coulomb: scale the force, and set the spring to what carries the scaled force. No branch: some of eight
+      // contacts slide often enough that mispredictions cost more than the arithmetic.
+      const B scale = S::select(slides, limit / S::sqrt(g2), one);
+      const B gs = gm * f.shrink_t;
+      for (int p = 0; p < 3; ++p) {
+        g[p] = g[p] * scale;
+        h[p] = S::select(slides, zero - (g[p] + gs * t[p]) * f.back, h[p]);
       }
       for (int p = 0; p < 3; ++p) {
         S::store(b.h[p] + k, h[p]);
@@ -180,7 +176,6 @@ void force(Linear, Block& b, const LawArgs& args) {
       S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));
       S::store(b.r[5] + k, lever * (n[0] * g[2] - n[2] * g[0]));
       S::store(b.r[6] + k, lever * (n[1] * g[0] - n[0] * g[1]));
-      S::store(b.r[7] + k, zero);
     }
     S::store(b.r[0] + k, force_i[0]);
     S::store(b.r[1] + k, force_i[1]);
