@@ -176,7 +176,6 @@ void gather_block(GatherArgs& a) {
     if (k + S::W <= a.next_n)
       for (int q = k; q < k + S::W; ++q) {
         __builtin_prefetch(a.v + static_cast<long>(rows) * a.next_j[q]);
-        __builtin_prefetch(a.p + 4L * a.next_j[q]);
       }
     S::pair_rows4(a.p, a.i + k, a.j + k, d);
     if constexpr (Periodic) minimum_image<S>(d, a.half, a.period);
