@@ -10,6 +10,8 @@
 #include <new>
 #include <vector>
 
+#include "core/huge_pool.hpp"
+
 namespace talus {
 
 /// Plain 3-vector of doubles [any SI unit]; arithmetic uses + - * only, in written order (DESIGN I4).
@@ -39,24 +41,41 @@ using ParticleId = std::int64_t;
 /// Storage row of a particle; changes only at sort epochs. int32 keeps pair lists compact (DESIGN 2).
 using Row = std::int32_t;
 
-/// Allocator with 64-byte alignment; blocks of 4 MiB or more are 2 MiB aligned and advised to use huge pages.
+/// Allocator with 64-byte alignment. Blocks above 4 MiB are 2 MiB aligned and advised to use huge pages, those from
+/// 16 KiB on are cut from such blocks (huge_pool.hpp).
 template <class T>
 struct AlignedAllocator {
   using value_type = T;
   AlignedAllocator() = default;
   template <class U>
   AlignedAllocator(const AlignedAllocator<U>&) noexcept {}
+#ifdef __SANITIZE_ADDRESS__
+  static constexpr bool pooled(std::size_t) { return false; }  // every array its own: overruns are seen
+#else
+  static constexpr bool pooled(std::size_t bytes) { return bytes >= k_pool_smallest && bytes <= k_pool_largest; }
+#endif
   T* allocate(std::size_t n) {
     constexpr std::size_t huge = std::size_t{1} << 21;
     std::size_t bytes = n * sizeof(T);
-    const std::size_t align = bytes >= 2 * huge ? huge : 64;
+    void* p = nullptr;
+    if (pooled(bytes)) {
+      p = pool_allocate(bytes);
+      if (p == nullptr) throw std::bad_alloc();
+      return static_cast<T*>(p);
+    }
+    const std::size_t align = bytes > k_pool_largest ? huge : 64;
     bytes = (bytes + align - 1) / align * align;
-    void* p = std::aligned_alloc(align, bytes == 0 ? align : bytes);
+    p = std::aligned_alloc(align, bytes == 0 ? align : bytes);
     if (p == nullptr) throw std::bad_alloc();
     if (align == huge) madvise(p, bytes, MADV_HUGEPAGE);
     return static_cast<T*>(p);
   }
-  void deallocate(T* p, std::size_t) noexcept { std::free(p); }
+  void deallocate(T* p, std::size_t n) noexcept {
+    if (pooled(n * sizeof(T)))
+      pool_free(p, n * sizeof(T));
+    else
+      std::free(p);
+  }
   // Columns are sized before they are filled in parallel: do not touch pages in resize().
   template <class U>
   void construct(U* p) noexcept {
