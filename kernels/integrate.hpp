@@ -29,6 +29,8 @@ inline void damped_row(const IntegrateArgs& a, const double* v, const double* f,
   }
 }
 
+inline constexpr long k_rows_ahead = 24;
+
 template <class S, bool Rotation, bool Damped>
 void integrate_rows(IntegrateArgs& args) {
   const IntegrateArgs a = args;  // a local copy: stores through p2 and v2 cannot alias it
@@ -48,6 +50,12 @@ void integrate_rows(IntegrateArgs& args) {
   for (long i = a.lo; i < a.hi; ++i) {
     const double* vr = a.v + rows * i;
     double* fr = a.f + rows * i;
+    // out of cache 12 -> 9 ns per row at 128k grains, in cache nothing
+    __builtin_prefetch(a.v + rows * (i + k_rows_ahead));
+    __builtin_prefetch(a.p + 4 * (i + k_rows_ahead));
+    __builtin_prefetch(a.x0 + 4 * (i + k_rows_ahead));
+    __builtin_prefetch(a.v2 + rows * (i + k_rows_ahead), 1);
+    __builtin_prefetch(a.p2 + 4 * (i + k_rows_ahead), 1);
     const double invm = vr[rows - 1];
     const double live = invm > 0 ? 1.0 : 0.0;
     if (__builtin_expect(fr[3] * invm > a.unstable, 0)) unstable_row = static_cast<std::int32_t>(i);

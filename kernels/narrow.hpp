@@ -73,17 +73,21 @@ struct HistoryCarry {
   }
 };
 
+inline constexpr std::int64_t k_near = 96,
+                              k_far = 512;  ///< slots ahead for rows and for lists (measured at 128k grains)
+
 template <class S, int History, bool Periodic>
 TALUS_INLINE std::int32_t* narrow_section(const NarrowArgs& a, HistoryCarry<S, History>& history, std::int64_t s,
                                           std::int64_t end, std::int32_t* ci, std::int32_t* cj) {
   using B = typename S::B;
   for (; s < end; s += 8) {
     unsigned bits = 0;
-    __builtin_prefetch(a.pi + s + 512);
-    __builtin_prefetch(a.pj + s + 512);
-    for (int k = 0; k < 8; ++k) __builtin_prefetch(a.p + 4L * a.pj[s + 96 + k]);
-    if constexpr (History > 0)
-      for (int c = 0; c < History; ++c) __builtin_prefetch(history.from[c] + history.next_from + 256, 0, 2);
+    // Partners come in no order a hardware prefetcher knows, and lists are walked in pieces that it loses at page ends.
+    __builtin_prefetch(a.pi + s + k_far);
+    __builtin_prefetch(a.pj + s + k_far);
+    if (s + k_near + 8 <= end)
+      for (int k = 0; k < 8; ++k) __builtin_prefetch(a.p + 4L * a.pj[s + k_near + k]);
+    for (int c = 0; c < History; ++c) __builtin_prefetch(history.from[c] + history.next_from + k_far / 2, 0, 2);
     for (int k = 0; k < 8; k += S::W) {
       B d[4];
       S::pair_rows4(a.p, a.pi + s + k, a.pj + s + k, d);
