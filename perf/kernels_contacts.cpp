@@ -110,6 +110,7 @@ GatherArgs gather_args(const World& w, const Chunk& c, std::int64_t k0, BlockBuf
   g.n = block_size(c, k0);
   g.x = buffers.x;
   g.r = buffers.r;
+  g.g = buffers.g;
   for (double& half : g.half) half = 1e300;
   g.next_j = g.j + k_block;
   g.next_n = static_cast<int>(std::clamp<std::int64_t>(c.contact_end[2] - k0 - k_block, 0, g.n));
@@ -168,6 +169,7 @@ void run_law(benchmark::State& state, const KernelTable& t, const LawCase& law) 
   if (!law.friction)
     std::memcpy(kept.r[3], kept.r[7], sizeof kept.r[7]);  // without rotation 1/m_i + 1/m_j is in lane 3
   std::memcpy(run.x, kept.x, sizeof run.x);
+  std::memcpy(run.g, kept.g, sizeof run.g);
   std::fill(run.reff, run.reff + k_block, 0.25);
   alignas(64) double history[k_max_history][k_block + k_pad] = {};
   for (int k = 0; k < std::min(info.history, b.w.has.history_columns); ++k)
@@ -178,6 +180,7 @@ void run_law(benchmark::State& state, const KernelTable& t, const LawCase& law) 
   block.y = run.x[1];
   block.z = run.x[2];
   block.w = run.x[3];
+  block.g = run.g;
   block.r = run.r;
   for (int k = 0; k < k_max_history; ++k) block.h[k] = history[k];
   block.reff = run.reff;
@@ -197,8 +200,8 @@ void run_law(benchmark::State& state, const KernelTable& t, const LawCase& law) 
   for (int k = 0; k < repeats; ++k) restore();
   const double copy = (now_ns() - begin) / repeats / block.n;
   const int index = law_index(info, law.friction, law.multi, law.energy);
-  // in: geometry, motion, history; out: force rows, history, energies. All of it in L1
-  const double lanes = 4 + (law.friction ? 8 + 7 : 4 + 4) + 2.0 * (law.friction ? info.history : 0) +
+  // in: distance and what follows from it, motion, history; out: force rows, history, energies. All of it in L1
+  const double lanes = 8 + (law.friction ? 8 + 7 : 4 + 4) + 2.0 * (law.friction ? info.history : 0) +
                        (info.wants_reff ? 1 : 0) + (law.energy ? 3 : 0) + (law.multi ? 0.5 : 0);
   measure(
       state, t, {law.name(), static_cast<double>(block.n), 8 * lanes},

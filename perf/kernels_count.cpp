@@ -1,8 +1,6 @@
 // Kernels of a number type that counts its arithmetic: the flops, divisions and roots of the microbenchmarks come from
 // the kernels' own source. Who calls it: count_once() in kernels_measure.hpp. Invariant: results are those of the
 // scalar kernels, so a counted call leaves the state as a timed one does.
-#include <type_traits>
-
 #include "kernels/table.hpp"
 #include "perf/kernels_measure.hpp"
 
@@ -30,14 +28,6 @@ Counted operator/(Counted a, Counted b) {
   return counted(a.v / b.v);
 }
 
-template <class Both>
-bool on_both(Both both) {
-  if constexpr (std::is_pointer_v<Both>)
-    return both[0];
-  else
-    return (both & 1U) != 0;
-}
-
 /// The scalar kernels' primitives, counted. Signatures are left open where only the number of operations matters.
 template <class Base>
 struct CountingOver : Base {
@@ -52,6 +42,7 @@ struct CountingOver : Base {
     return counted(__builtin_sqrt(a.v));
   }
   static B abs(B a) { return B(__builtin_fabs(a.v)); }
+  static B copysign(B size, B sign) { return B(__builtin_copysign(size.v, sign.v)); }
   static B select(bool m, B a, B b) { return m ? a : b; }
   template <class... A>
   static void pair_rows4(A... a) {
@@ -63,14 +54,12 @@ struct CountingOver : Base {
     g_done.flops += 8;
     Base::pair_rows8(a...);
   }
-  template <class Both>
-  static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, Both both) {
-    g_done.flops += on_both(both) ? 16 : 8;
+  static void scatter8(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, unsigned both) {
+    g_done.flops += (both & 1U) != 0 ? 16 : 8;
     Base::scatter8(f, a, b, r, both);
   }
-  template <class Both>
-  static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, Both both) {
-    g_done.flops += on_both(both) ? 8 : 4;
+  static void scatter4(double* f, const std::int32_t* a, const std::int32_t* b, const B* r, unsigned both) {
+    g_done.flops += (both & 1U) != 0 ? 8 : 4;
     Base::scatter4(f, a, b, r, both);
   }
   static R4 add4(const R4& a, const R4& b) { return g_done.flops += 4, Base::add4(a, b); }

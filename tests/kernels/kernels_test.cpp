@@ -85,7 +85,7 @@ struct Output {
 
 Output run_law(const KernelTable& k, Batch& b, int n, const LawInfo& law, bool friction, bool multi, bool energy,
                const LawArgs& args) {
-  alignas(64) static double x[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad], reff[k_block + k_pad];
+  alignas(64) static double x[4][k_block + k_pad], geo[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad], reff[k_block + k_pad];
   alignas(64) static std::int32_t pair[k_block + k_pad];
   std::memset(r, 0, sizeof r);
   std::fill(reff, reff + k_block + k_pad, 1.0);
@@ -98,6 +98,7 @@ Output run_law(const KernelTable& k, Batch& b, int n, const LawInfo& law, bool f
   g.n = n;
   g.x = x;
   g.r = r;
+  g.g = geo;
   g.reff = law.wants_reff ? reff : nullptr;
   k.gather[friction ? 1 : 0](g);
   Column<double> h[k_max_history];
@@ -107,6 +108,7 @@ Output run_law(const KernelTable& k, Batch& b, int n, const LawInfo& law, bool f
   block.y = x[1];
   block.z = x[2];
   block.w = x[3];
+  block.g = geo;
   block.r = r;
   for (int q = 0; q < k_max_history; ++q) {
     h[q].assign(static_cast<std::size_t>(n + k_pad), 0.0);
@@ -256,7 +258,6 @@ NarrowResult run_narrow(const KernelTable& k, const Column<double>& p, const Col
     a.h_old[q] = h_old[q].data();
     a.h_new[q] = h_new[q].data();
   }
-  a.deep = 0.1;
   Column<std::int32_t> ci(n), cj(n);
   a.ci = ci.data();
   a.cj = cj.data();
@@ -267,7 +268,8 @@ NarrowResult run_narrow(const KernelTable& k, const Column<double>& p, const Col
   r.cj.assign(cj.begin(), cj.begin() + static_cast<std::ptrdiff_t>(m));
   r.mask = mask;
   for (int q = 0; q < 3; ++q) {
-    r.h[q].assign(h_new[q].begin(), h_new[q].begin() + static_cast<std::ptrdiff_t>(m));
+    const auto& kept = a.history_moved != 0 ? h_new[q] : h_old[q];
+    r.h[q].assign(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(m));
     r.end[q] = a.contact_end[q];
   }
   return r;

@@ -58,6 +58,8 @@ class KernelContact {
     b.y = x_[1];
     b.z = x_[2];
     b.w = w_;
+    table_.geometry(GeometryArgs{1, x_[0], x_[1], x_[2], w_, r_[7], g_});
+    b.g = g_;
     b.r = r_;
     for (int q = 0; q < k_max_history; ++q) b.h[q] = h_[q];
     b.reff = reff_;
@@ -75,7 +77,7 @@ class KernelContact {
   LawArgs args_{};
   double sum_, inverse_mass_;
   alignas(64) double x_[3][k_size] = {}, w_[k_size] = {}, reff_[k_size] = {};
-  alignas(64) double r_[8][k_size] = {}, e_[3][k_size] = {}, h_[k_max_history][k_size] = {};
+  alignas(64) double r_[8][k_size] = {}, g_[4][k_size] = {}, e_[3][k_size] = {}, h_[k_max_history][k_size] = {};
   alignas(64) std::int32_t pair_[k_size] = {};
 };
 
