@@ -1,3 +1,5 @@
+// The pool of pieces cut from huge pages; see huge_pool.hpp.
+
 #include "core/huge_pool.hpp"
 
 #include <sys/mman.h>
