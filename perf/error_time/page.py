@@ -50,7 +50,7 @@ def introduction(facts):
     missing += [f"{name} was not found" for name in ("lammps", "liggghts") if not f[name]]
     return (f"<p>One point is one setting: run time of the whole scene (median of {facts['rounds']} interleaved repeats on one thread, "
             "bars from the fastest to the slowest; long runs are timed over their first steps and scaled) against the error of the "
-            "scene's norm. Black line: Pareto front, no setting is both faster and more accurate. Start-up is not timed. "
+            "scene's norm. Black line: Pareto front, no setting is both faster and more accurate. Start-up is not timed; the skins of LAMMPS and LIGGGHTS are fixed per scene, not tuned. "
             "<i>dt q</i> means q steps per contact time of the law in use.</p>"
             f"<p class=small>{html.escape(str(facts['cpu']))}, {facts['cores']} cores; Talus binary {facts['talus']}; "
             f"{'quick mode: few points, small scenes; ' if facts['quick'] else ''}{html.escape('; '.join(missing))}.</p>")
