@@ -31,7 +31,7 @@ inline void damped_row(const IntegrateArgs& a, const double* v, const double* f,
 
 inline constexpr long k_rows_ahead = 24;
 
-template <class S, bool Rotation, bool Damped>
+template <class S, bool Rotation, bool Damped, bool Stream>
 void integrate_rows(IntegrateArgs& args) {
   const IntegrateArgs a = args;  // a local copy: stores through p2 and v2 cannot alias it
   constexpr long rows = Rotation ? 8 : 4;
@@ -54,8 +54,10 @@ void integrate_rows(IntegrateArgs& args) {
     __builtin_prefetch(a.v + rows * (i + k_rows_ahead));
     __builtin_prefetch(a.p + 4 * (i + k_rows_ahead));
     __builtin_prefetch(a.x0 + 4 * (i + k_rows_ahead));
-    __builtin_prefetch(a.v2 + rows * (i + k_rows_ahead), 1);
-    __builtin_prefetch(a.p2 + 4 * (i + k_rows_ahead), 1);
+    if constexpr (!Stream) {
+      __builtin_prefetch(a.v2 + rows * (i + k_rows_ahead), 1);
+      __builtin_prefetch(a.p2 + 4 * (i + k_rows_ahead), 1);
+    }
     const double invm = vr[rows - 1];
     const double live = invm > 0 ? 1.0 : 0.0;
     if (__builtin_expect(fr[3] * invm > a.unstable, 0)) unstable_row = static_cast<std::int32_t>(i);
@@ -68,13 +70,19 @@ void integrate_rows(IntegrateArgs& args) {
       auto v = S::load8(vr);
       v = S::add8(v, S::mul8(S::mul8(S::load8(fr), S::set8(invm)), S::load8(mult_rows)));
       v = S::add8(v, S::mul8(S::load8(grav_rows), S::set8(live)));
-      S::store8(a.v2 + rows * i, v);
+      if constexpr (Stream)
+        S::stream8(a.v2 + rows * i, v);
+      else
+        S::store8(a.v2 + rows * i, v);
       vel = S::low4(v);
     } else {
       auto v = S::load4(vr);
       v = S::add4(v, S::mul4(S::mul4(S::load4(fr), S::set4(invm)), S::load4(mult_rows)));
       v = S::add4(v, S::mul4(S::load4(grav_rows), S::set4(live)));
-      S::store4(a.v2 + rows * i, v);
+      if constexpr (Stream)
+        S::stream4(a.v2 + rows * i, v);
+      else
+        S::store4(a.v2 + rows * i, v);
       vel = v;
     }
     if constexpr (Rotation)
@@ -96,7 +104,10 @@ void integrate_rows(IntegrateArgs& args) {
       d = S::sub4(d, S::and4(wrap, far_up));
       d = S::add4(d, S::and4(wrap, far_down));
     }
-    S::store4(a.p2 + 4 * i, x);
+    if constexpr (Stream)
+      S::stream4(a.p2 + 4 * i, x);
+    else
+      S::store4(a.p2 + 4 * i, x);
     expired |= !(S::norm3(d) <= ref[3]) ? 1 : 0;
   }
   args.out_count = out_count;
@@ -106,10 +117,10 @@ void integrate_rows(IntegrateArgs& args) {
 
 template <class S, bool Rotation>
 void integrate(IntegrateArgs& a) {
-  if (a.viscous != 0 || a.local != 0)
-    integrate_rows<S, Rotation, true>(a);
-  else
-    integrate_rows<S, Rotation, false>(a);
+  if (a.viscous != 0 || a.local != 0) return integrate_rows<S, Rotation, true, false>(a);
+  if (a.stream == 0) return integrate_rows<S, Rotation, false, false>(a);
+  integrate_rows<S, Rotation, false, true>(a);
+  __builtin_ia32_sfence();  // other threads read these rows in the next step
 }
 
 }  // namespace talus::kernels

@@ -105,6 +105,8 @@ struct Scalar {
   TALUS_INLINE static void store4(double* p, const R4& a) {
     for (int k = 0; k < 4; ++k) p[k] = a.v[k];
   }
+  /// Stores around the caches, where the instruction set can.
+  TALUS_INLINE static void stream4(double* p, const R4& a) { store4(p, a); }
   TALUS_INLINE static R4 set4(double a) { return {{a, a, a, a}}; }
   /// Whether in any lane x < lower, not x < upper, or not |d| < half (true for NaN).
   TALUS_INLINE static bool outside4(const R4& x, const R4& lower, const R4& upper, const R4& d, const R4& half) {
@@ -141,6 +143,7 @@ struct Scalar {
   TALUS_INLINE static void store8(double* p, const R8& a) {
     for (int k = 0; k < 8; ++k) p[k] = a.v[k];
   }
+  TALUS_INLINE static void stream8(double* p, const R8& a) { store8(p, a); }
   TALUS_INLINE static R8 set8(double a) {
     R8 c;
     for (int k = 0; k < 8; ++k) c.v[k] = a;
@@ -270,6 +273,10 @@ struct Sse2 {
     _mm_store_pd(p, a.v[0]);
     _mm_store_pd(p + 2, a.v[1]);
   }
+  TALUS_INLINE static void stream4(double* p, const R4& a) {
+    _mm_stream_pd(p, a.v[0]);
+    _mm_stream_pd(p + 2, a.v[1]);
+  }
   TALUS_INLINE static R4 set4(double a) { return {{_mm_set1_pd(a), _mm_set1_pd(a)}}; }
   TALUS_INLINE static bool outside4(const R4& x, const R4& lower, const R4& upper, const R4& d, const R4& half) {
     const __m128d sign = _mm_set1_pd(-0.0);
@@ -307,6 +314,9 @@ struct Sse2 {
   }
   TALUS_INLINE static void store8(double* p, const R8& a) {
     for (int k = 0; k < 4; ++k) _mm_store_pd(p + 2 * k, a.v[k]);
+  }
+  TALUS_INLINE static void stream8(double* p, const R8& a) {
+    for (int k = 0; k < 4; ++k) _mm_stream_pd(p + 2 * k, a.v[k]);
   }
   TALUS_INLINE static R8 set8(double a) {
     R8 c;
@@ -475,6 +485,7 @@ struct Avx2 {
   TALUS_INLINE static R4 mul4(R4 a, R4 b) { return _mm256_mul_pd(a, b); }
   TALUS_INLINE static R4 load4(const double* p) { return _mm256_load_pd(p); }
   TALUS_INLINE static void store4(double* p, R4 a) { _mm256_store_pd(p, a); }
+  TALUS_INLINE static void stream4(double* p, R4 a) { _mm256_stream_pd(p, a); }
   TALUS_INLINE static R4 set4(double a) { return _mm256_set1_pd(a); }
   TALUS_INLINE static bool outside4(R4 x, R4 lower, R4 upper, R4 d, R4 half) {
     const __m256d far = _mm256_cmp_pd(_mm256_andnot_pd(_mm256_set1_pd(-0.0), d), half, _CMP_NLT_UQ);
@@ -494,6 +505,10 @@ struct Avx2 {
   TALUS_INLINE static void store8(double* p, R8 a) {
     _mm256_store_pd(p, a.v[0]);
     _mm256_store_pd(p + 4, a.v[1]);
+  }
+  TALUS_INLINE static void stream8(double* p, R8 a) {
+    _mm256_stream_pd(p, a.v[0]);
+    _mm256_stream_pd(p + 4, a.v[1]);
   }
   TALUS_INLINE static R8 set8(double a) { return {{_mm256_set1_pd(a), _mm256_set1_pd(a)}}; }
   TALUS_INLINE static R4 low4(R8 a) { return a.v[0]; }
@@ -669,6 +684,7 @@ struct Avx512 {
   TALUS_INLINE static R4 mul4(R4 a, R4 b) { return _mm256_mul_pd(a, b); }
   TALUS_INLINE static R4 load4(const double* p) { return _mm256_load_pd(p); }
   TALUS_INLINE static void store4(double* p, R4 a) { _mm256_store_pd(p, a); }
+  TALUS_INLINE static void stream4(double* p, R4 a) { _mm256_stream_pd(p, a); }
   TALUS_INLINE static R4 set4(double a) { return _mm256_set1_pd(a); }
   TALUS_INLINE static bool outside4(R4 x, R4 lower, R4 upper, R4 d, R4 half) {
     // as bit masks of AVX2 form: three masks in k registers would have to be moved one by one
@@ -682,6 +698,7 @@ struct Avx512 {
   TALUS_INLINE static R8 mul8(R8 a, R8 b) { return _mm512_mul_pd(a, b); }
   TALUS_INLINE static R8 load8(const double* p) { return _mm512_load_pd(p); }
   TALUS_INLINE static void store8(double* p, R8 a) { _mm512_store_pd(p, a); }
+  TALUS_INLINE static void stream8(double* p, R8 a) { _mm512_stream_pd(p, a); }
   TALUS_INLINE static R8 set8(double a) { return _mm512_set1_pd(a); }
   TALUS_INLINE static R4 low4(R8 a) { return _mm512_castpd512_pd256(a); }
   TALUS_INLINE static double norm3(R4 a) {

@@ -104,7 +104,8 @@ struct IntegrateArgs {
   alignas(32) double upper[4], wrap[4];  ///< domain size per axis (lane 3: 1e300) and period (0 where not periodic)
   alignas(32) double half[4];            ///< half period or 1e300
   double viscous, local;                 ///< background damping coefficients
-  double unstable;                       ///< bound on (row sum of stiffness / mass)
+  int stream;       ///< store new rows around the caches: they are not read again before they fall out
+  double unstable;  ///< bound on (row sum of stiffness / mass)
   // results
   std::int32_t* out;  ///< rows that left through a non-periodic side (capacity hi - lo)
   std::int32_t out_count;

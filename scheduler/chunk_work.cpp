@@ -89,6 +89,8 @@ void find_deep(const World& w, Chunk& c, std::int64_t k0, int n) {
   }
 }
 
+inline constexpr std::size_t k_streamed_bytes = std::size_t{64} << 20;  ///< of both copies of all rows
+
 }  // namespace
 
 Block evaluate_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers& buffers) {
@@ -297,8 +299,7 @@ void wall_chunk(World& w, Chunk& c) {
       by[k] = t.contact.normal.y * t.contact.distance;
       bz[k] = t.contact.normal.z * t.contact.distance;
       bw[k] = reff[k] = w.p[4L * t.row + 3];
-      if (t.contact.distance < deep * bw[k])
-        c.deep_wall = static_cast<std::int64_t>(k0) + (k < n ? k : n - 1);
+      if (t.contact.distance < deep * bw[k]) c.deep_wall = static_cast<std::int64_t>(k0) + (k < n ? k : n - 1);
       r[0][k] = v[0] - t.contact.velocity.x;
       r[1][k] = v[1] - t.contact.velocity.y;
       r[2][k] = v[2] - t.contact.velocity.z;
@@ -376,6 +377,8 @@ void integrate_chunk(World& w, Chunk& c) {
     a.half[k] = periodic ? 0.5 * w.size[k] : 1e300;
   }
   a.upper[3] = a.half[3] = 1e300;
+  // -4 % at 512k grains; at 128k the rows would have stayed in the last-level cache: +10 %
+  a.stream = static_cast<std::size_t>(w.n) * (w.stride + 4) * 2 * sizeof(double) > k_streamed_bytes ? 1 : 0;
   a.viscous = w.scene.viscous_damping;
   a.local = w.scene.local_damping;
   a.unstable = w.unstable_limit;
