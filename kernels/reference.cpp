@@ -62,8 +62,10 @@ Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool fri
   Vec3 ft = -shrink * (c.kt * xi + (gamma_t * k.meff) * k.vt);
   const double limit = c.mu * std::max(fn, 0.0), size = norm(ft);
   if (size > limit) {
-    ft = (limit / size) * ft;
-    xi = (-1 / (c.kt * shrink)) * (ft + (shrink * gamma_t * k.meff) * k.vt);
+    const Vec3 along = (1 / size) * ft;
+    const double spring = std::max(0.0, limit + (shrink * gamma_t * k.meff) * dot(k.vt, along));
+    ft = limit * along;
+    xi = (-spring / (c.kt * shrink)) * along;
   }
   return assemble(p, k, fn, ft);
 }
@@ -85,8 +87,9 @@ Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, b
   Vec3 total = shrink * (ft - ct * k.vt);
   const double limit = c.mu * std::max(fn, 0.0), size = norm(total);
   if (size > limit) {
-    total = (limit / size) * total;
-    ft = (1 / shrink) * total + ct * k.vt;
+    const Vec3 along = (1 / size) * total;
+    total = limit * along;
+    ft = std::max(0.0, limit / shrink + ct * dot(k.vt, along)) * along;
   }
   return assemble(p, k, fn, total);
 }

@@ -72,12 +72,22 @@ void force(HertzMindlin, Block& block, const LawArgs& args) {
       const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
       const B limit = c.mu * S::select(S::gt(fn, zero), fn, zero);
       const auto slides = S::gt(g2, limit * limit);
+      B damped = zero;  // power of the dashpot
+      if constexpr (Energy) damped = ct * ((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]);
       if (S::any(slides)) {
-        const B scale = S::select(slides, limit / S::sqrt(g2), one);
-        const B back = one / shrink;
+        // as in the linear law: the spring carries what the dashpot leaves of the limit, at least nothing
+        const B root = one / S::sqrt(g2), along = ((g[0] * t[0] + g[1] * t[1]) + g[2] * t[2]) * root;
+        const B spring = limit / shrink + ct * along;
+        const B scale = S::select(slides, limit * root, one);
+        const B keep = S::select(S::gt(spring, zero), spring, zero) * root;
         for (int q = 0; q < 3; ++q) {
+          h[q] = S::select(slides, g[q] * keep, h[q]);
           g[q] = g[q] * scale;
-          h[q] = S::select(slides, g[q] * back + ct * t[q], h[q]);
+        }
+        if constexpr (Energy) {
+          const B capped = zero - limit * along,
+                  mean = half * (capped + S::select(S::gt(before, zero), damped, capped));
+          damped = S::select(slides, S::select(S::gt(spring, zero), damped, mean), damped);
         }
       }
       for (int q = 0; q < 3; ++q) {
@@ -91,13 +101,13 @@ void force(HertzMindlin, Block& block, const LawArgs& args) {
         // to the larger one (F is rescaled on unloading; on loading S_t grows at constant F, to that of the mean radius
         // before the increment and to that of the present one after it); neither partner gets that energy, it counts as
         // friction.
-        const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2], t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
+        const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
         B slip = zero;
         for (int q = 0; q < 3; ++q) slip = slip + (half * ((trial[q] + slid * t[q]) + h[q])) * (trial[q] - h[q]);
         const B kept = S::select(S::lt(radius, last), rescale, last / moved);
         const B released = half * (before * (one - kept) + h2 * (one / moved - one / radius)) / c.kt;
         S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (h2 / st));
-        S::store(b.e[1] + k, S::load(b.e[1] + k) + dt * ((ct * mid) * t2));
+        S::store(b.e[1] + k, S::load(b.e[1] + k) + dt * (mid * damped));
         S::store(b.e[2] + k, slip / (c.kt * moved) + released);
       }
       S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));

@@ -7,6 +7,8 @@
 // (1/2 + delta/(|v_n| dt)) instead of 1; without it restitution has an error of order dt that depends on the phase.
 // The tangential spring too starts at the instant of touch: in that step it moves for delta/|v_n| instead of dt,
 // without which every sticking contact carries half a step's slip too much (tests/verification/order_test.cpp).
+// Sliding: the spring is set to max(0, limit - dashpot) along the force, so that it never stores energy that the
+// dashpot put into it.
 // History: 3 columns, the tangential spring xi [m], oriented i - j.
 // Reads kn, kt [N/m], gn, gt [1/s] (or 2 beta [-] with by_restitution), mu.
 #pragma once
@@ -150,26 +152,39 @@ void force(Linear, Block& block, const LawArgs& args) {
       const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
       const B limit = c.mu * S::select(S::gt(fn, zero), fn, zero);
       const auto slides = S::gt(g2, limit * limit);
-      // Coulomb: scale the force, and set the spring to what carries the scaled force. No branch: some of eight
-      // contacts slide often enough that mispredictions cost more than the arithmetic.
-      const B scale = S::select(slides, limit / S::sqrt(g2), one);
-      const B gs = gm * f.shrink_t;
+      B damped = zero;  // power of the dashpot
+      if constexpr (Energy) damped = gm * ((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]);
+      // Coulomb: scale the force; the spring carries what the dashpot leaves of it, and never pushes backwards: a spring
+      // loaded against the dashpot would part with energy that nothing gave back. No branch: some of eight contacts
+      // slide often enough that mispredictions cost more than the arithmetic.
+      const B inv_g = one / S::sqrt(g2), along = ((g[0] * t[0] + g[1] * t[1]) + g[2] * t[2]) * inv_g;
+      const B spring = limit + (gm * f.shrink_t) * along;
+      const B scale = S::select(slides, limit * inv_g, one);
+      const B keep = (S::select(S::gt(spring, zero), spring, zero) * inv_g) * f.back;
       for (int p = 0; p < 3; ++p) {
+        h[p] = S::select(slides, zero - g[p] * keep, h[p]);
         g[p] = g[p] * scale;
-        h[p] = S::select(slides, zero - (g[p] + gs * t[p]) * f.back, h[p]);
+      }
+      if constexpr (Energy) {
+        // where the limit caps the dashpot itself: the mean of the forces before and after the step counts
+        B last = zero;
+        for (int p = 0; p < 3; ++p) last = last + S::abs(trial[p] - t[p] * slid);
+        const B capped = zero - limit * along, mean = half * (capped + S::select(S::gt(last, zero), damped, capped));
+        damped = S::select(slides, S::select(S::gt(spring, zero), damped, mean), damped);
       }
       for (int p = 0; p < 3; ++p) {
         S::store(b.h[p] + k, h[p]);
         force_i[p] = force_i[p] + g[p];
       }
       if constexpr (Energy) {
-        const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2], t2 = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
+        const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
         // the slider moves by what the trial spring exceeds the final one, against the mean of the spring's force
         // before and after the step (a Coulomb limit that falls releases a loaded spring within few steps)
         B slip = zero;
         for (int p = 0; p < 3; ++p) slip = slip + (half * ((trial[p] - t[p] * slid) + h[p])) * (trial[p] - h[p]);
         S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (c.kt * h2));
-        S::store(b.e[1] + k, S::load(b.e[1] + k) + dt * (gm * t2));
+        S::store(b.e[1] + k,
+                 S::load(b.e[1] + k) + dt * (S::select(brief, S::select(S::lt(vn, zero), half, one), one) * damped));
         S::store(b.e[2] + k, c.kt * slip);
       }
       // T / r = -lever n x F_t, the same for both partners.

@@ -196,13 +196,14 @@ TEST(PhysicsConservation, EnergyBalanceOfASettlingBedCloses) {
   }
 }
 
-TEST(PhysicsConservation, EnergyBalanceOfADampedHertzBedIsWithinThreePercent) {
-  // Known shortfall: while a contact slides, the stored tangential force is set to the Coulomb limit minus the dashpot
-  // (as LAMMPS does), so a spring may part loaded; that energy leaves the ledger, whatever the step.
+TEST(PhysicsConservation, EnergyBalanceOfADampedHertzBedCloses) {
+  // While a contact slides its spring carries what the dashpot leaves of the Coulomb limit, never less than nothing (a
+  // spring loaded against the dashpot would part loaded, 1.6 % of all losses here). What is left belongs to the step.
   double dissipated = 0;
   const double residual = settle(true, 0.6, 4e-6, dissipated);
   figure("settling bed, hertz, e 0.6, dt 4e-6: largest residual / dissipated", residual);
-  EXPECT_LT(residual, 0.03);
+  EXPECT_GT(dissipated, 1e-4);
+  EXPECT_LT(residual, 4e-3);
 }
 
 }  // namespace
