@@ -17,7 +17,9 @@ namespace talus {
 inline constexpr double k_never = std::numeric_limits<double>::infinity();
 
 enum class Boundary : std::uint8_t { periodic, open, wall };
-enum class ContactModel : std::uint8_t { linear, hertz_mindlin, hertz_tsuji };
+enum class ContactModel : std::uint8_t { linear, hertz_mindlin, hertz_tsuji, jkr };
+enum class Rolling : std::uint8_t { none, cdt, epsd };
+enum class Cohesion : std::uint8_t { none, sjkr };
 enum class Dashpot : std::uint8_t { centred, lagged };
 enum class Lever : std::uint8_t { contact, radius };
 enum class Integrator : std::uint8_t { velocity_verlet, leapfrog };
@@ -44,6 +46,12 @@ struct Material {
 struct PairCoefficients {
   double friction = 0;       ///< Coulomb coefficient [-]
   double restitution = -1;   ///< normal restitution in (0, 1]; -1 where the damping rate is given instead
+  double rolling_friction = 0;   ///< mu_r [-]: moment <= mu_r R* F_n
+  double rolling_damping = 0;    ///< eta_r [-]: share of critical damping of the rolling spring (epsd)
+  double twisting_friction = 0;  ///< mu_t [-]: moment about the normal <= mu_t R* F_n
+  double twisting_damping = 0;   ///< share of critical damping of the twisting spring
+  double cohesion_energy = 0;    ///< sjkr: energy density [J/m3]
+  double work_of_adhesion = 0;   ///< jkr: w = 2 gamma of like surfaces [J/m2]
 };
 
 /// Contact law of the scene. Linear: stiffnesses [N/m] with either damping rates [1/s] (force = rate*m_eff*v, as LAMMPS
@@ -60,6 +68,9 @@ struct ContactLaw {
   bool onset_correction = true;       ///< weigh the linear dashpot by the touching fraction of the first and last step
   bool synchronised = true;           ///< tangential history in the mid-step frame (VERIFICATION 3.8)
   Lever lever = Lever::contact;
+  Rolling rolling = Rolling::none;     ///< needs friction (grains must rotate)
+  bool twisting = false;               ///< some pair has twisting friction; needs friction
+  Cohesion cohesion = Cohesion::none;  ///< on top of linear or Hertz
 };
 
 /// Size distribution of spheres, always stated in diameters [m].

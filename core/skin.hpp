@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "core/adhesion.hpp"
+#include "core/det_math.hpp"
 #include "core/scene.hpp"
 
 namespace talus {
@@ -17,6 +19,7 @@ struct SkinRule {
   double cell_edge = 0;  ///< nominal cell edge L_C [m] of the cap
   double largest = 0;    ///< hard limit of R_NL [m]: L/4 on the shortest periodic axis
   double uniform = 0;    ///< uniform skin [m]
+  double reach = 0;      ///< R_C = r + reach r^(1/3): range of adhesion (core/adhesion.hpp)
 
   SkinRule() = default;
   /// `r_min`, `r_max`: radii of the scene [m].
@@ -30,16 +33,21 @@ struct SkinRule {
     floor = s.list.floor;
     cell_edge = (s.list.cell_factor > 0 ? s.list.cell_factor : 1.5) * 2 * r_max;
     uniform = s.list.uniform_skin * r_min;
+    reach = adhesion_reach(s);
     largest = 1e300;
     for (int k = 0; k < 3; ++k)
       if (s.domain.periodic(k)) largest = fmin2(largest, 0.25 * (s.domain.upper[k] - s.domain.lower[k]));
   }
+
+  /// R_C - r [m]: how far beyond its surface a particle can be in contact with another one; with a wall, twice that.
+  double range(double r) const { return reach > 0 ? reach * det::cbrt(r) : 0; }
 
   /// Skin [m] of a particle of radius r [m], speed v [m/s], acceleration a [m/s2]:
   /// paper: K |v| dt, capped at L_C/2 - r (the paper's printed cap L_C loses pairs); local: with floor and
   /// 1/2 |a| (K dt)^2, also capped at r/2; uniform: one skin; always: 0.
   double operator()(double r, double v, double a) const {
     double s = 0;
+    const double rc = r + range(r);
     switch (policy) {
       case ListPolicy::always:
         return 0;
@@ -52,12 +60,12 @@ struct SkinRule {
         if (acceleration_on) s += 0.5 * a * k_dt * k_dt;
         if (floor_on) s = fmax2(s, floor * 2 * r);
         if (cap_on) {
-          s = fmin2(s, 0.5 * cell_edge - r);
+          s = fmin2(s, 0.5 * cell_edge - rc);
           if (policy == ListPolicy::local) s = fmin2(s, 0.5 * r);
         }
         break;
     }
-    s = fmin2(s, largest - r);
+    s = fmin2(s, largest - rc);
     return s > 0 ? s : 0;
   }
 };

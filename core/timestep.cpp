@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "core/adhesion.hpp"
 #include "core/det_math.hpp"
 #include "core/error.hpp"
 
@@ -90,6 +91,34 @@ double packing_share(double stiffness_ratio, double damping_ratio) {
   return k_packing_share * stiff * (std::sqrt(1 + z * z) - z);
 }
 
+/// Rolling and twisting springs k = 9/4 k_n mu^2 R*^2 on free spins 2/5 m r^2 (kernels/models/moments.hpp), as limit of
+/// an isolated pair; infinite without them. An explicit dashpot of ratio z costs sqrt(1 + z^2) - z, and eta_r refers to
+/// 7/5 m r^2: z = sqrt(7/2) eta_r on the free spin.
+double spin_limit(const Scene& scene, const PairCoefficients& k, double stiffness, double r_eff, double compliance) {
+  const double mu = scene.contact.rolling == Rolling::epsd ? k.rolling_friction : 0;
+  const double z = std::sqrt(3.5) * k.rolling_damping;
+  const auto limit = [&](double coefficient, double share) {
+    const double omega2 = 2.25 * stiffness * (coefficient * r_eff) * (coefficient * r_eff) * compliance;
+    return omega2 > 0 ? share * 2 / std::sqrt(omega2) : k_never;
+  };
+  const double y = k.twisting_damping;
+  return fmin2(limit(mu, std::sqrt(1 + z * z) - z), limit(k.twisting_friction, std::sqrt(1 + y * y) - y));
+}
+
+/// Largest contact radius [m] of a JKR impact at speed v: the energy 1/2 m v^2 and what attaching sets free, pi w a_c^2
+/// (s^10/15 - 2/3 s^7 + s^4 + 12/5 4^(1/3)) with a = a_c s^2 (kernels/models/jkr.hpp).
+double jkr_radius(double kappa, double e_star, double r, double m, double v) {
+  const double a_c = det::cbrt(kappa * r * r), scale = 8 * e_star * kappa * (a_c * a_c);  // pi w = 8 E* kappa
+  const double energy = 0.5 * m * (v * v) / scale;
+  double low = 1.5874010519681994, high = 1e6;  // s at zero overlap
+  for (int k = 0; k < 100; ++k) {
+    const double s = 0.5 * (low + high), s3 = s * s * s, s4 = s3 * s;
+    const bool above = s4 * (s3 * s3 / 15 - 2 * s3 / 3 + 1) + 2.4 * 1.5874010519681994 > energy;
+    (above ? high : low) = s;
+  }
+  return a_c * high * high;
+}
+
 Limits limits_of(const Scene& scene, const Contact& c, double velocity) {
   const bool wall = c.r_b == k_never;
   const Material &a = scene.materials[c.a], &b = scene.materials[c.b];
@@ -97,6 +126,8 @@ Limits limits_of(const Scene& scene, const Contact& c, double velocity) {
   const double m_a = mass(a.density, c.r_a);
   const double m = wall ? m_a : m_a / (m_a + mass(b.density, c.r_b)) * mass(b.density, c.r_b);
   const double pi = det::k_pi;
+  const double r = wall ? c.r_a : c.r_a * c.r_b / (c.r_a + c.r_b);
+  const double spins = 2.5 / (m_a * c.r_a * c.r_a) + (wall ? 0 : 2.5 / (mass(b.density, c.r_b) * c.r_b * c.r_b));
   const double log_e = k.restitution > 0 ? det::log(k.restitution) : 0;
   const double ratio_of_e = -log_e / std::sqrt(pi * pi + log_e * log_e);  // damping ratio of a linear pair
   if (scene.contact.model == ContactModel::linear) {
@@ -106,22 +137,29 @@ Limits limits_of(const Scene& scene, const Contact& c, double velocity) {
     // t_c = pi / sqrt(k/m - (g/2)^2); an overdamped contact never rebounds, its undamped time is the scale
     const double contact = pi / (omega * (z < 1 ? std::sqrt(1 - z * z) : 1));
     const double kt = scene.contact.friction ? scene.contact.tangential_stiffness / stiffness : 0;
-    return {contact, 2 / omega, packing_share(kt, z)};
+    return {contact, fmin2(2 / omega, spin_limit(scene, k, stiffness, r, spins)), packing_share(kt, z)};
   }
   const double e_star = 1 / ((1 - a.poisson * a.poisson) / a.young + (1 - b.poisson * b.poisson) / b.young);
   const double g_star =
       1 / ((2 - a.poisson) * 2 * (1 + a.poisson) / a.young + (2 - b.poisson) * 2 * (1 + b.poisson) / b.young);
-  const double r = wall ? c.r_a : c.r_a * c.r_b / (c.r_a + c.r_b);
   // A scene at rest without gravity states no speed: take the one that strains a contact by about 1e-4.
   const double v = velocity > 0 ? velocity : 1e-5 * std::sqrt(e_star / a.density);
   // delta_max = (15 m v^2 / (16 E* sqrt(R)))^(2/5), t_c = 2.9433 delta_max / v; tangent stiffness 2 E* sqrt(R
   // delta_max)
   const double delta = det::pow(15 * m * (v * v) / (16 * e_star * std::sqrt(r)), 0.4);
-  const double omega = std::sqrt(2 * e_star * std::sqrt(r * delta) / m);
+  double radius = std::sqrt(r * delta);
+  double contact = 2.9433 * delta / v;
+  if (const double kappa = adhesion_length(scene, static_cast<int>(c.a), static_cast<int>(c.b)); kappa > 0) {
+    // adhesion pulls the contact open wider than the impact alone; 4.03 / omega is the same duration for Hertz
+    radius = jkr_radius(kappa, e_star, r, m, v);
+    contact = 2.9433 * std::sqrt(15.0 / 8.0) / std::sqrt(2 * e_star * radius / m);
+  }
+  const double omega = std::sqrt(2 * e_star * radius / m);
   // alpha sqrt(m k) delta^(1/4) with k = 4/3 E* sqrt(R): ratio alpha / sqrt(6) of the tangent stiffness 3/2 k
   // sqrt(delta)
   const double z = std::sqrt(5.0 / 6.0) * ratio_of_e;
-  return {2.9433 * delta / v, 2 / omega, packing_share(scene.contact.friction ? 4 * g_star / e_star : 0, z)};
+  return {contact, fmin2(2 / omega, spin_limit(scene, k, 2 * e_star * radius, r, spins)),
+          packing_share(scene.contact.friction ? 4 * g_star / e_star : 0, z)};
 }
 
 double rayleigh(const Material& m, double r) {

@@ -16,6 +16,7 @@ constexpr LawInfo k_laws[] = {
     {ContactModel::linear, "linear", 0, 3, false},
     {ContactModel::hertz_mindlin, "hertz_mindlin", 8, 4, true},
     {ContactModel::hertz_tsuji, "hertz_tsuji", 8, 4, true},
+    {ContactModel::jkr, "jkr", 16, 4, true},
 };
 
 // __builtin_cpu_supports accounts for what the operating system enables (XCR0); xsimd's own detection does not.
@@ -142,9 +143,43 @@ std::vector<PairParameters> pair_parameters(const Scene& scene) {
         p.kt = 8 * g_star;
         p.gn = alpha;
         p.gt = __builtin_sqrt(2.0 / 3.0) * alpha;
+        p.w = law.model == ContactModel::jkr ? c.work_of_adhesion : 0;
       }
     }
   return out;
 }
+
+std::vector<AddOnParameters> add_on_parameters(const Scene& scene) {
+  std::vector<AddOnParameters> out;
+  for (const PairCoefficients& c : scene.pairs) {
+    AddOnParameters p;
+    p.rolling = c.rolling_friction;
+    p.viscous = c.rolling_damping;
+    p.twisting = c.twisting_friction;
+    p.torsion = c.twisting_damping;
+    p.press = scene.contact.model == ContactModel::jkr ? 3 * det::k_pi * c.work_of_adhesion : 0;
+    p.cohesion = c.cohesion_energy;
+    out.push_back(p);
+  }
+  return out;
+}
+
+MomentArgs moment_args(const Scene& scene) {
+  MomentArgs a{};
+  a.dt = scene.dt;
+  a.rolling = static_cast<int>(scene.contact.rolling);
+  a.twisting = scene.contact.twisting ? 1 : 0;
+  const bool springs = scene.contact.rolling == Rolling::epsd || scene.contact.twisting;
+  a.rescale = scene.contact.model != ContactModel::linear && springs ? 1 : 0;
+  a.centred = scene.contact.dashpot == Dashpot::centred ? 1 : 0;
+  return a;
+}
+
+int moment_columns(const Scene& scene) {
+  const MomentArgs a = moment_args(scene);
+  return (a.rolling == 2 ? 3 : 0) + a.twisting + a.rescale;
+}
+
+unsigned moment_flips(const Scene& scene) { return moment_args(scene).rolling == 2 ? 7U : 0U; }
 
 }  // namespace talus

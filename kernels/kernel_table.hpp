@@ -35,5 +35,12 @@ Isa parse_isa(const std::string& name);
 
 /// Coefficients of every material pair of the scene as its law reads them (set-up is trajectory code: det_math).
 std::vector<PairParameters> pair_parameters(const Scene& scene);
+/// What is added to the law, per material pair: rolling, twisting, cohesion.
+std::vector<AddOnParameters> add_on_parameters(const Scene& scene);
+/// Arguments of KernelTable::moments but for the coefficients, and the history columns that rolling and twisting need.
+MomentArgs moment_args(const Scene& scene);
+int moment_columns(const Scene& scene);
+/// Bit k set: moment column k changes sign when the partners are swapped.
+unsigned moment_flips(const Scene& scene);
 
 }  // namespace talus

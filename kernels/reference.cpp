@@ -94,4 +94,69 @@ Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, b
   return assemble(p, k, fn, total);
 }
 
+Vec3 moments(const Pair& p, Vec3 force, double stiffness, const AddOnParameters& c, const MomentArgs& a,
+             MomentHistory& h) {
+  const Vec3 n = (1 / norm(p.xi - p.xj)) * (p.xi - p.xj), w = p.wi - p.wj;
+  const double reff = p.ri * p.rj / (p.ri + p.rj), turn = dot(w, n);
+  const Vec3 roll = w - turn * n;
+  const double press = std::max(dot(force, n) + c.press * reff, 0.0);
+  double shrink = 1;
+  if (a.rescale != 0) {
+    if (stiffness < h.stiffness) shrink = stiffness / h.stiffness;
+    h.stiffness = stiffness;
+  }
+  Vec3 m;
+  if (a.rolling == 1 && norm(roll) > 0) {
+    const double compliance = 1 / (0.4 * p.mi * p.ri * p.ri) + 1 / (0.4 * p.mj * p.rj * p.rj);
+    m = (-std::min(c.rolling * reff * press / norm(roll), 1 / (a.dt * compliance))) * roll;
+  }
+  if (a.rolling == 2) {
+    const double k = 2.25 * stiffness * std::pow(c.rolling * reff, 2), limit = c.rolling * reff * press;
+    h.rolling = shrink * (h.rolling - dot(h.rolling, n) * n) - (k * a.dt) * roll;
+    if (norm(h.rolling) > limit) {
+      h.rolling = (limit / norm(h.rolling)) * h.rolling;
+      m = h.rolling;
+    } else {
+      const double inertia = 1 / (1 / (1.4 * p.mi * p.ri * p.ri) + 1 / (1.4 * p.mj * p.rj * p.rj));
+      double damp = 2 * c.viscous * std::sqrt(inertia * k);
+      if (a.centred != 0) damp /= 1 + 0.5 * a.dt * damp / inertia;
+      m = h.rolling - damp * roll;
+    }
+  }
+  if (a.twisting != 0) {
+    const double k = 2.25 * stiffness * std::pow(c.twisting * reff, 2), limit = c.twisting * reff * press;
+    h.twisting = shrink * h.twisting - k * a.dt * turn;
+    double total = 0;
+    if (std::abs(h.twisting) > limit) {
+      total = h.twisting = std::copysign(limit, h.twisting);
+    } else {
+      const double inertia = 1 / (1 / (0.4 * p.mi * p.ri * p.ri) + 1 / (0.4 * p.mj * p.rj * p.rj));
+      double damp = 2 * c.torsion * std::sqrt(inertia * k);
+      if (a.centred != 0) damp /= 1 + 0.5 * a.dt * damp / inertia;
+      total = h.twisting - damp * turn;
+    }
+    m = m + total * n;
+  }
+  return m;
+}
+
+JkrState jkr(double delta, double reff, double e_star, double w) {
+  const double pi = 3.14159265358979323846;
+  // delta(a) has its minimum at a_c and rises beyond it
+  double low = std::cbrt(pi * w * reff * reff / (8 * e_star)),
+         high = low + std::sqrt(reff * std::abs(delta)) * 4 + 4 * low;
+  for (int k = 0; k < 200; ++k) {
+    const double a = 0.5 * (low + high);
+    (a * a / reff - std::sqrt(2 * pi * w * a / e_star) > delta ? high : low) = a;
+  }
+  const double a3 = high * high * high;
+  return {4 * e_star * a3 / (3 * reff) - std::sqrt(8 * pi * w * e_star * a3), high};
+}
+
+double sjkr(double distance, double ri, double rj, bool wall, double density) {
+  const double pi = 3.14159265358979323846;
+  const double x = wall ? distance : (distance * distance + ri * ri - rj * rj) / (2 * distance);
+  return density * pi * (ri * ri - x * x);
+}
+
 }  // namespace talus::reference

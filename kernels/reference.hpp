@@ -28,4 +28,24 @@ Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool fri
 /// contact radius [m], both updated.
 Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& ft, double& radius);
 
+/// History of rolling and twisting (kernels/models/moments.hpp), oriented from j to i.
+struct MomentHistory {
+  Vec3 rolling;                        ///< [N m]
+  double twisting = 0, stiffness = 0;  ///< [N m], [N/m] of the last step
+};
+
+/// Moment on i (minus it on j) of a contact whose law gave `force` on i and `stiffness`; `h` is updated.
+Vec3 moments(const Pair& p, Vec3 force, double stiffness, const AddOnParameters& c, const MomentArgs& a,
+             MomentHistory& h);
+
+/// JKR: normal force without dashpot [N] and contact radius [m] by bisection of the two equations of the paper.
+struct JkrState {
+  double force, radius;
+};
+JkrState jkr(double delta, double reff, double e_star, double w);
+
+/// Attraction of SJKR [N]: energy density times the area of the disc in which two spheres (or a sphere and a plane)
+/// intersect, from the height of the cap.
+double sjkr(double distance, double ri, double rj, bool wall, double density);
+
 }  // namespace talus::reference

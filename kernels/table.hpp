@@ -2,9 +2,12 @@
 #pragma once
 
 #include "kernels/integrate.hpp"
+#include "kernels/models/cohesion.hpp"
 #include "kernels/models/hertz_mindlin.hpp"
 #include "kernels/models/linear.hpp"
+#include "kernels/models/moments.hpp"
 #include "kernels/narrow.hpp"
+#include "kernels/narrow_adhesive.hpp"
 #include "kernels/search.hpp"
 
 namespace talus::kernels {
@@ -44,6 +47,12 @@ constexpr KernelTable make_table() {
   t.search = search_rows<S>;
   fill_law<S, Linear>(t.law);
   fill_law<S, HertzMindlin>(t.law + 8);
+  fill_law<S, Jkr>(t.law + 16);
+  t.narrow_adhesive = narrow_adhesive<S>;
+  t.carry = carry<S>;
+  t.spin = spin<S>;
+  t.moments = moments<S>;
+  t.cohesion = cohesion<S>;
   return t;
 }
 

@@ -9,6 +9,8 @@ namespace talus {
 inline constexpr int k_block = 128;      ///< contacts per L1 block (DESIGN 2.4)
 inline constexpr int k_pad = 16;         ///< slack behind every per-contact array
 inline constexpr int k_max_history = 4;  ///< history columns of the widest law
+inline constexpr int k_max_moment = 5;   ///< history columns of rolling and twisting, behind those of the law
+inline constexpr int k_max_columns = k_max_history + k_max_moment;
 
 /// Narrow phase of one chunk: candidate pairs -> compact contacts, history carried from old to new.
 struct NarrowArgs {
@@ -33,6 +35,7 @@ struct PairParameters {
   double kn = 0, kt = 0;  ///< linear: [N/m]; Hertz: 4/3 E* and 8 G* [Pa]
   double gn = 0, gt = 0;  ///< linear: rates [1/s], or 2 beta (rate = gn sqrt(k/m_eff)) by restitution; Hertz: alpha [-]
   double mu = 0;          ///< friction [-]
+  double w = 0;           ///< JKR: work of adhesion [J/m2]
 };
 
 /// One block of up to k_block contacts in L1: relative geometry and motion in, force and torque rows out.
@@ -47,6 +50,14 @@ struct Block {
   const double* reff;            ///< R* [m] where the law wants it
   const std::int32_t* pair;      ///< material pair index where there are several materials
   double (*e)[k_block + k_pad];  ///< energy terms out: elastic [J], damping loss, friction loss of this step [J]
+};
+
+/// Coefficients of one material pair for what is added to a law; see kernels/models/moments.hpp and cohesion.hpp.
+struct AddOnParameters {
+  double rolling = 0, viscous = 0;   ///< mu_r [-], eta_r [-]
+  double twisting = 0, torsion = 0;  ///< mu_t [-], eta_t [-]
+  double press = 0;                  ///< JKR: adhesion's share of the pressing force / R* = 3 pi w [N/m]
+  double cohesion = 0;               ///< SJKR: energy density [J/m3]
 };
 
 struct LawArgs {
@@ -90,6 +101,61 @@ struct ScatterArgs {
   int n;
   int both_from, both_to;  ///< contacts of the block in [from, to) also act on j
   double (*r)[k_block + k_pad];
+};
+
+/// Relative spin of a block's contacts, for laws with rolling or twisting.
+struct SpinArgs {
+  const double *p, *v;        ///< position rows, velocity rows of 8
+  const std::int32_t *i, *j;  ///< [n] rows
+  int n;
+  double (*s)[k_block + k_pad];  ///< out: 0..2 w_i - w_j [rad/s], 3 the sum of 1 / (7/5 m r^2) [1/(kg m2)]
+};
+
+/// Rolling and twisting of one block: after the law, before the scatter.
+struct MomentBlock {
+  int n;
+  const double *x, *y, *z;             ///< centre difference i - j [m]
+  const double (*r)[k_block + k_pad];  ///< 0..2 force on i [N], 3 stiffness [N/m], as the law leaves them
+  const double* reff;                  ///< R* [m]
+  const std::int32_t* pair;            ///< material pair index where there are several materials
+  double (*s)[k_block + k_pad];        ///< in: SpinArgs::s; out: 0..2 moment on i [N m], 3 zero
+  double* h[k_max_moment];             ///< history columns, updated in place
+  double (*e)[k_block + k_pad];        ///< energy terms, added to; or null
+};
+
+struct MomentArgs {
+  AddOnParameters one;
+  const AddOnParameters* table;  ///< several materials: [pair index]; else null
+  double dt;
+  int rolling;   ///< 0 none, 1 constant directional torque, 2 elastic-plastic spring and dashpot
+  int twisting;  ///< 0 none, 1 spring-slider about the normal
+  int rescale;   ///< the stiffness varies along a contact (Hertz): springs shrink with it
+  int centred;   ///< as in LawArgs
+};
+
+/// Cohesion of one block: attraction proportional to the contact area, added to the force rows of a law.
+struct CohesionArgs {
+  double one;           ///< energy density [J/m3]
+  const double* table;  ///< several materials: [pair index]; else null
+  const double* p;      ///< position rows, for the radii; null: the partner is a wall (flat, radius 0)
+  const std::int32_t *i, *j;
+  int energy;  ///< add to Block::e
+};
+
+/// History columns of slots whose set of contacts changed (laws whose columns the narrow phase does not carry itself).
+struct CarryArgs {
+  const std::uint8_t *before, *now;  ///< one bit per slot
+  std::int64_t slots;                ///< multiple of 8
+  int columns;
+  const double* from[k_max_columns];
+  double* to[k_max_columns];
+};
+
+/// Narrow phase with contacts that hold beyond touch: a pair that was in contact stays until -delta passes its range.
+struct AdhesiveArgs {
+  const std::uint8_t* material;  ///< or null
+  int materials;
+  const double* range;  ///< [pair index] 27 (pi w / (8 E*))^2 [m2]: contact holds while (-delta)^3 <= range R*
 };
 
 /// Integration of rows [lo, hi): v(n-1/2) -> v(n+1/2), x(n) -> x(n+1), displacement check against the list's reference.
@@ -159,7 +225,12 @@ struct KernelTable {
   void (*scatter[2])(const ScatterArgs&);  ///< [rotation]
   void (*integrate[2])(IntegrateArgs&);    ///< [rotation]
   void (*search)(SearchArgs&);
-  void (*law[16])(Block&, const LawArgs&);
+  void (*law[24])(Block&, const LawArgs&);
+  void (*narrow_adhesive)(NarrowArgs&, const AdhesiveArgs&);  ///< history is left to carry
+  void (*carry)(const CarryArgs&);
+  void (*spin)(const SpinArgs&);
+  void (*moments)(MomentBlock&, const MomentArgs&);
+  void (*cohesion)(Block&, const CohesionArgs&);
 };
 
 }  // namespace talus

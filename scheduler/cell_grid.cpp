@@ -73,7 +73,7 @@ void set_skins(World& w, const Chunk& c, const LevelLimits& limits, double slack
     ref[2] = x[2];
     ref[3] = stored * stored;
     // the check compares squares: the reach covers the rounding of the square root, and `slack` that of coordinates
-    const auto reach = static_cast<float>((x[3] + skin) * 1.000002 + slack);
+    const auto reach = static_cast<float>((x[3] + w.skin.range(x[3]) + skin) * 1.000002 + slack);
     w.reach[static_cast<std::size_t>(i)] = reach;
     const int l = limits(reach);
     out.top[l] = fmax2(out.top[l], reach);

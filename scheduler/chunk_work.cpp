@@ -130,11 +130,12 @@ Block evaluate_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers&
   b.w = buffers.x[3];
   b.g = buffers.g;
   b.r = buffers.r;
-  for (int k = 0; k < w.has.history_columns; ++k) b.h[k] = c.h[k].data() + k0;
+  for (int k = 0; k < w.has.law_columns; ++k) b.h[k] = c.h[k].data() + k0;
   b.reff = buffers.reff;
   b.pair = buffers.pair;
   b.e = buffers.e;
   w.kernels->law[w.law_variant](b, w.law_args);
+  if (w.has.moments || w.has.cohesion) evaluate_add_ons(w, c, k0, b, buffers);
   return b;
 }
 
@@ -157,7 +158,7 @@ void ScratchPool::give(Scratch* s) {
 std::size_t ScratchPool::bytes() const {
   std::size_t b = 0;
   for (const auto& s : all_) {
-    b += (s->ci.capacity() + s->cj.capacity()) * 4 + s->f.capacity() * 8;
+    b += (s->ci.capacity() + s->cj.capacity()) * 4 + (s->f.capacity() + s->m.capacity()) * 8 + s->before.capacity();
     for (const auto& h : s->h) b += h.capacity() * 8;
   }
   return b;
@@ -187,7 +188,7 @@ void narrow_chunk(World& w, Chunk& c) {
     a.period[k] = periodic ? w.size[k] : 0.0;
   }
   a.periodic = w.has.periodic ? 1 : 0;
-  a.history = w.has.history_columns;
+  a.history = w.has.adhesion ? 0 : w.has.law_columns;
   for (int k = 0; k < a.history; ++k) {
     grow(s.h[k], room);
     grow(c.h[k], k_pad);
@@ -196,7 +197,10 @@ void narrow_chunk(World& w, Chunk& c) {
   }
   a.ci = s.ci.data();
   a.cj = s.cj.data();
-  w.kernels->narrow(a);
+  if (w.has.adhesion || w.has.moments)
+    narrow_add_ons(w, c, a, room);
+  else
+    w.kernels->narrow(a);
   for (int k = 0; k < 3; ++k) c.contact_end[k] = a.contact_end[k];
   if (a.history_moved != 0)
     for (int k = 0; k < a.history; ++k) std::swap(c.h[k], s.h[k]);
@@ -215,6 +219,7 @@ void force_chunk(World& w, Chunk& c) {
   if (!s.clean) std::memset(s.f.data(), 0, s.f.size() * sizeof(double));
   s.clean = false;
   if (w.has.energies) std::memset(w.energy.data() + 4L * c.lo, 0, static_cast<std::size_t>(rows) * 4 * sizeof(double));
+  if (w.has.moments) clear_moments(w, c);
   BlockBuffers buffers;
   const int rotation = w.has.rotation ? 1 : 0;
   const std::int64_t total = c.contact_end[2];
@@ -233,6 +238,9 @@ void force_chunk(World& w, Chunk& c) {
     const int from = static_cast<int>(std::clamp<std::int64_t>(both_from - k0, 0, b.n));
     const int to = static_cast<int>(std::clamp<std::int64_t>(both_to - k0, 0, b.n));
     w.kernels->scatter[rotation](ScatterArgs{f, s.ci.data() + k0, s.cj.data() + k0, b.n, from, to, buffers.r});
+    if (w.has.moments)
+      w.kernels->scatter[0](ScatterArgs{s.m.data() - 4 * static_cast<std::ptrdiff_t>(c.lo), s.ci.data() + k0,
+                                        s.cj.data() + k0, b.n, from, to, buffers.s});
     if (w.has.energies) scatter_energy(w, s.ci.data() + k0, s.cj.data() + k0, b.n, from, to, buffers.e);
   }
   if (!faulty.empty()) {  // the history goes back into list order: only the order of the sums was wrong
@@ -247,6 +255,8 @@ void wall_chunk(World& w, Chunk& c) {
   NodeTimer timer(w, c, Node::wall_contact);
   Scratch& s = *c.scratch;
   c.wall_next.clear();
+  c.wall_moment_next.clear();
+  const auto moment_columns = static_cast<std::size_t>(w.has.moment_columns);
   WallContact found[WallSet::k_max_contacts];
   std::int32_t from[WallSet::k_max_contacts];
   std::size_t old = 0;
@@ -257,7 +267,7 @@ void wall_chunk(World& w, Chunk& c) {
     const Vec3 centre{x[0], x[1], x[2]};
     const std::span<const std::int32_t> elements(c.wall_element.data() + c.wall_begin[q],
                                                  static_cast<std::size_t>(c.wall_begin[q + 1] - c.wall_begin[q]));
-    const int n = w.walls.contacts(centre, x[3], elements, found);
+    int n = w.walls.contacts(centre, x[3] + 2 * w.skin.range(x[3]), elements, found);
     if (n == 0) continue;
     while (old < c.wall_state.size() && c.wall_state[old].row < i) ++old;
     std::size_t end = old;
@@ -267,13 +277,16 @@ void wall_chunk(World& w, Chunk& c) {
       before[nb++] = c.wall_state[end++].contact;
     WallSet::match(std::span(before, static_cast<std::size_t>(nb)), std::span(found, static_cast<std::size_t>(n)),
                    from);
+    if (w.has.adhesion) n = keep_wall_contacts(w, i, found, from, n);
     for (int k = 0; k < n; ++k) {
       WallState t;
       t.row = i;
       t.contact = found[k];
       if (from[k] >= 0)
-        for (int h = 0; h < w.has.history_columns; ++h) t.h[h] = c.wall_state[old + from[k]].h[h];
+        for (int h = 0; h < w.has.law_columns; ++h) t.h[h] = c.wall_state[old + from[k]].h[h];
       c.wall_next.push_back(t);
+      for (std::size_t q = 0; q < moment_columns; ++q)
+        c.wall_moment_next.push_back(from[k] >= 0 ? c.wall_moment[(old + from[k]) * moment_columns + q] : 0.0);
     }
   }
   // A wall is a partner of radius 0 and infinite mass at rest in its own spin: the same laws apply.
@@ -288,6 +301,7 @@ void wall_chunk(World& w, Chunk& c) {
   c.deep_wall = -1;
   c.wall_force.resize(c.wall_next.size());
   c.wall_point.resize(c.wall_next.size());
+  if (w.has.moments) c.wall_torque.resize(c.wall_next.size());
   if (w.has.energies) c.wall_power.resize(c.wall_next.size());
   for (std::size_t k0 = 0; k0 < c.wall_next.size(); k0 += k_block) {
     const int n = static_cast<int>(std::min<std::size_t>(k_block, c.wall_next.size() - k0));
@@ -306,7 +320,7 @@ void wall_chunk(World& w, Chunk& c) {
       if (w.has.rotation)
         for (int q = 4; q < 7; ++q) r[q][k] = v[q];
       r[mass_lane][k] = v[mass_lane] > 0 ? v[mass_lane] : 1.0;  // a fixed grain feels nothing anyway
-      for (int q = 0; q < w.has.history_columns; ++q) h[q][k] = t.h[q];
+      for (int q = 0; q < w.has.law_columns; ++q) h[q][k] = t.h[q];
       if (w.has.materials) pair[k] = w.pair_index(w.material[t.row], w.walls.material(t.contact.wall));
     }
     Block b{};
@@ -318,7 +332,7 @@ void wall_chunk(World& w, Chunk& c) {
     b.g = g;
     b.r = r;
     w.kernels->geometry(GeometryArgs{n, bx, by, bz, bw, r[mass_lane], g});
-    for (int q = 0; q < w.has.history_columns; ++q) b.h[q] = h[q];
+    for (int q = 0; q < w.has.law_columns; ++q) b.h[q] = h[q];
     b.reff = reff;
     b.pair = pair;
     b.e = e;
@@ -329,9 +343,10 @@ void wall_chunk(World& w, Chunk& c) {
     // half the chord would press a sliding grain into the wall.
     args.synchronised = 0;
     law(b, args);
+    if (w.has.moments || w.has.cohesion) wall_add_ons(w, c, k0, b);
     for (int k = 0; k < n; ++k) {
       WallState& t = c.wall_next[k0 + static_cast<std::size_t>(k)];
-      for (int q = 0; q < w.has.history_columns; ++q) t.h[q] = h[q][k];
+      for (int q = 0; q < w.has.law_columns; ++q) t.h[q] = h[q][k];
       double* f = s.f.data() + static_cast<std::ptrdiff_t>(w.stride) * (t.row - c.lo);
       for (int q = 0; q < w.stride; ++q) f[q] = f[q] + r[q][k];
       const Vec3 force{r[0][k], r[1][k], r[2][k]};
@@ -340,11 +355,15 @@ void wall_chunk(World& w, Chunk& c) {
       if (w.has.energies) {
         double* en = w.energy.data() + 4L * t.row;
         for (int q = 0; q < 3; ++q) en[q] = en[q] + e[q][k];
-        c.wall_power[k0 + static_cast<std::size_t>(k)] = w.scene.dt * dot(force, t.contact.velocity);
+        double power = dot(force, t.contact.velocity);
+        if (w.has.moments)
+          power += dot(c.wall_torque[k0 + static_cast<std::size_t>(k)], w.walls.pose(t.contact.wall).omega);
+        c.wall_power[k0 + static_cast<std::size_t>(k)] = w.scene.dt * power;
       }
     }
   }
   std::swap(c.wall_state, c.wall_next);
+  std::swap(c.wall_moment, c.wall_moment_next);
 }
 
 void integrate_chunk(World& w, Chunk& c) {
@@ -357,6 +376,7 @@ void integrate_chunk(World& w, Chunk& c) {
     c.scratch = nullptr;
     return;
   }
+  if (w.has.moments) fold_moments(w, c);
   IntegrateArgs a{};
   a.lo = c.lo;
   a.hi = c.hi;

@@ -36,9 +36,10 @@ void record_contacts(World& w, std::vector<ContactRecord>& out, std::vector<std:
   for (const auto& cp : w.chunks) {
     Chunk& c = *cp;
     const auto mask = c.mask;
-    Column<double> h[k_max_history];
+    Column<double> h[k_max_columns];
     for (int k = 0; k < w.has.history_columns; ++k) h[k] = c.h[k];
     const auto wall_state = c.wall_state;
+    const auto wall_moment = c.wall_moment;
     std::int64_t contact_end[3] = {c.contact_end[0], c.contact_end[1], c.contact_end[2]};
     narrow_chunk(w, c);
     const Scratch& s = *c.scratch;
@@ -68,7 +69,9 @@ void record_contacts(World& w, std::vector<ContactRecord>& out, std::vector<std:
       const auto size = static_cast<std::size_t>(c.hi - c.lo) * static_cast<std::size_t>(w.stride);
       if (f.f.size() < size) f.f.resize(size);
       f.clean = false;
+      if (w.has.moments) clear_moments(w, c);
       const auto force = c.wall_force;
+      const auto torque = c.wall_torque;
       const auto point = c.wall_point;
       wall_chunk(w, c);
       for (std::size_t k = 0; k < c.wall_state.size(); ++k) {
@@ -84,11 +87,13 @@ void record_contacts(World& w, std::vector<ContactRecord>& out, std::vector<std:
         rows.emplace_back(q.row, -1);
       }
       c.wall_force = force;
+      c.wall_torque = torque;
       c.wall_point = point;
     }
     c.mask = mask;
     for (int k = 0; k < w.has.history_columns; ++k) c.h[k] = h[k];
     c.wall_state = wall_state;
+    c.wall_moment = wall_moment;
     for (int k = 0; k < 3; ++k) c.contact_end[k] = contact_end[k];
     w.scratch.give(c.scratch);
     c.scratch = nullptr;
@@ -213,6 +218,7 @@ Frame frame_of(World& w, const FrameRequest& q) {
         WallLoad& l = f.wall_loads[static_cast<std::size_t>(c->wall_state[k].contact.wall)];
         l.force = l.force - c->wall_force[k];
         l.torque = l.torque - cross(c->wall_point[k], c->wall_force[k]);
+        if (w.has.moments) l.torque = l.torque - c->wall_torque[k];
       }
   }
   return f;
@@ -241,7 +247,7 @@ std::int64_t audit_lists(const World& w) {
         }
         d2 += d * d;
       }
-      const double r = a[3] + b[3];
+      const double r = a[3] + b[3] + w.skin.range(a[3]) + w.skin.range(b[3]);
       if (d2 < r * r && !std::binary_search(listed.begin(), listed.end(), std::make_pair(i, j))) ++missed;
     }
     if (w.has.walls && !(w.has.fixed && w.fixed[i] != 0)) {
@@ -249,8 +255,9 @@ std::int64_t audit_lists(const World& w) {
       std::vector<std::int32_t> all;
       WallContact near[WallSet::k_max_contacts];
       const Vec3 centre{w.p[4L * i], w.p[4L * i + 1], w.p[4L * i + 2]};
-      w.walls.candidates(centre, w.p[4L * i + 3], all);
-      const int n = all.empty() ? 0 : w.walls.contacts(centre, w.p[4L * i + 3], all, near);
+      const double reach = w.p[4L * i + 3] + 2 * w.skin.range(w.p[4L * i + 3]);
+      w.walls.candidates(centre, reach, all);
+      const int n = all.empty() ? 0 : w.walls.contacts(centre, reach, all, near);
       const Chunk& c = *w.chunks[static_cast<std::size_t>(w.chunk_of(i))];
       const auto at = std::lower_bound(c.wall_row.begin(), c.wall_row.end(), i);
       const bool has = at != c.wall_row.end() && *at == i;
@@ -275,9 +282,10 @@ std::size_t bytes_of(const World& w) {
   if (w.has.walls) b += w.walls.bytes();
   for (const auto& c : w.chunks) {
     b += size(c->pi) + size(c->pj) + size(c->mask) + size(c->wall_row) + size(c->wall_begin) + size(c->wall_element) +
-         size(c->wall_state) + size(c->wall_next) + size(c->wall_force) + size(c->wall_point) + size(c->distributed) +
+         size(c->wall_state) + size(c->wall_next) + size(c->wall_force) + size(c->wall_point) + size(c->distributed) + size(c->wall_moment) +
+         size(c->wall_moment_next) + size(c->wall_torque) +
          size(c->out);
-    for (int k = 0; k < k_max_history; ++k) b += size(c->h[k]);
+    for (int k = 0; k < k_max_columns; ++k) b += size(c->h[k]);
   }
   return b;
 }
@@ -324,17 +332,24 @@ Plan plan_of(const World& w) {
     lists += 8.0 * static_cast<double>(c->end[2]) + static_cast<double>(c->end[2]) / 8;
     history += 8.0 * h.history_columns * static_cast<double>(c->contact_end[2]);
     walls += 4.0 * static_cast<double>(c->wall_row.size() * 2 + c->wall_element.size()) +
-             static_cast<double>(sizeof(WallState) * c->wall_state.size());
+             static_cast<double>(sizeof(WallState) * c->wall_state.size() + 8 * c->wall_moment.size());
   }
   array("pair list", true, lists / n, "rows of candidate pairs and touch bits");
   array("history", h.history_columns > 0, history / n,
-        h.history_columns > 0 ? "tangential springs of touching pairs" : "no friction, no history");
+        h.moment_columns > 0    ? "tangential, rolling and twisting springs of touching pairs"
+        : h.history_columns > 0 ? "tangential springs of touching pairs"
+                                : "no friction, no history");
+  array("moment rows", h.moments, 32, h.moments ? "rolling or twisting resistance" : "no rolling, no twisting");
   array("wall contacts", h.walls, walls / n, h.walls ? "candidates and history" : "no walls");
   array("cell index", true, 4.0 * 8 + 4.0 * static_cast<double>(w.cell_start.size()) / n,
         "sorted float32 coordinates and cell starts");
   for (const auto& a : p.arrays) p.bytes_per_particle += a.bytes_per_particle;
   p.law = std::string(w.law->name) + (h.rotation ? " with friction" : ", frictionless") +
           (h.materials ? ", per material pair" : "");
+  if (w.scene.contact.rolling == Rolling::cdt) p.law += ", rolling: constant directional torque";
+  if (w.scene.contact.rolling == Rolling::epsd) p.law += ", rolling: elastic-plastic spring-dashpot";
+  if (w.scene.contact.twisting) p.law += ", twisting";
+  if (h.cohesion) p.law += ", cohesion by contact area (sjkr)";
   p.isa = w.kernels->name;
   p.isa_why = w.isa_why;
   const char* const names[] = {"always", "paper", "local", "uniform"};

@@ -138,6 +138,7 @@ void wall_candidates(World& w, Chunk& c) {
     const double skin = __builtin_sqrt(w.x0[4L * i + 3]) / (w.options.seeded_fault == 3 ? 3 : 1);
     // Walls have no images: where the row wraps before the next rebuild it meets the elements at the other end.
     const Vec3 at{w.p[4L * i], w.p[4L * i + 1], w.p[4L * i + 2]};
+    const double reach = w.p[4L * i + 3] + 2 * w.skin.range(w.p[4L * i + 3]) + skin;
     Vec3 shift[3];
     int shifts[3] = {1, 1, 1};
     for (int k = 0; k < 3; ++k) {
@@ -149,7 +150,7 @@ void wall_candidates(World& w, Chunk& c) {
     for (int a = 0; a < shifts[0]; ++a)
       for (int b = 0; b < shifts[1]; ++b)
         for (int d = 0; d < shifts[2]; ++d)
-          w.walls.candidates(at + Vec3{shift[a].x, shift[b].y, shift[d].z}, w.p[4L * i + 3] + skin, c.wall_element);
+          w.walls.candidates(at + Vec3{shift[a].x, shift[b].y, shift[d].z}, reach, c.wall_element);
     if (shifts[0] * shifts[1] * shifts[2] > 1) {
       const auto first = c.wall_element.begin() + static_cast<std::ptrdiff_t>(before);
       std::sort(first, c.wall_element.end());

@@ -65,6 +65,7 @@ void relax_chunk(World& w, Chunk& c) {
   for (int q = 0; q < w.has.history_columns; ++q)
     std::fill_n(c.h[q].begin(), static_cast<std::ptrdiff_t>(c.contact_end[2]), 0.0);
   for (WallState& t : c.wall_state) std::fill(std::begin(t.h), std::end(t.h), 0.0);
+  std::fill(c.wall_moment.begin(), c.wall_moment.end(), 0.0);
 }
 
 }  // namespace talus

@@ -58,6 +58,7 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   }
   std::stable_sort(w.scene.events.begin(), w.scene.events.end(),
                    [](const Event& a, const Event& b) { return a.time < b.time; });
+  configure_add_ons(w);
   w.stride = h.rotation ? 8 : 4;
   w.law_variant = law_index(*w.law, scene.contact.friction, h.materials, h.energies);
   w.parameters = pair_parameters(scene);
@@ -75,11 +76,11 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   w.unstable_limit = scene.allow_unstable_step ? 1e300 : 12.0 / (scene.dt * scene.dt);
   w.skin = SkinRule(scene, w.r_min, w.r_max);
   for (int k = 0; k < 3; ++k)
-    if (scene.domain.periodic(k) && !(w.size[k] > 4 * w.r_max))
+    if (scene.domain.periodic(k) && !(w.size[k] > 4 * (w.r_max + w.skin.range(w.r_max))))
       throw Error(ErrorCode::scene, "a periodic side must be longer than twice the largest diameter", "domain",
                   "side " + std::to_string(w.size[k]) + ", largest diameter " + std::to_string(2 * w.r_max));
   double reach = 0;
-  for (const double r : {w.r_min, w.r_max}) reach = fmax2(reach, r + w.skin(r, 1e30, 0));
+  for (const double r : {w.r_min, w.r_max}) reach = fmax2(reach, r + 2 * w.skin.range(r) + w.skin(r, 1e30, 0));
   // Walls live in the frame of the stored positions: a scene keeps its bits wherever its domain lies (DESIGN 2).
   Scene local = w.scene;
   local.domain.lower = {};
@@ -115,6 +116,71 @@ struct Meta {
   std::int64_t step, next_event, next_id, n, stride, history, materials, inserted, removed;
   double removed_mass, gravity[3], losses[3], wall_work, inserted_energy, start_energy, start_known, dt;
 };
+
+/// Contacts without the columns that the scene does not have: pairs of rows, then the columns of each contact.
+void write_contacts(const World& w, CheckpointWriter& out) {
+  const auto contacts = collect_contacts(w);
+  std::vector<Row> rows;
+  std::vector<double> history;
+  for (const ContactEntry& e : contacts) {
+    rows.push_back(e.a);
+    rows.push_back(e.b);
+    history.insert(history.end(), e.h, e.h + w.has.history_columns);
+  }
+  out.add_array("contacts", rows.data(), rows.size());
+  out.add_array("contact_history", history.data(), history.size());
+  const auto walls = collect_wall_states(w);
+  std::vector<WallState> clean(walls.size());
+  std::vector<double> moments;
+  if (!clean.empty())
+    std::memset(static_cast<void*>(clean.data()), 0,
+                clean.size() * sizeof(WallState));  // no padding garbage in the bytes
+  for (std::size_t k = 0; k < walls.size(); ++k) {
+    clean[k].row = walls[k].row;
+    clean[k].contact.wall = walls[k].contact.wall;
+    clean[k].contact.element = walls[k].contact.element;
+    clean[k].contact.normal = walls[k].contact.normal;
+    clean[k].contact.distance = walls[k].contact.distance;
+    clean[k].contact.velocity = walls[k].contact.velocity;
+    for (int h = 0; h < k_max_history; ++h) clean[k].h[h] = walls[k].h[h];
+    moments.insert(moments.end(), walls[k].m, walls[k].m + w.has.moment_columns);
+  }
+  out.add_array("wall_contacts", clean.data(), clean.size());
+  if (w.has.moments) out.add_array("wall_moments", moments.data(), moments.size());
+}
+
+std::vector<ContactEntry> read_contacts(const World& w, const CheckpointReader& in) {
+  std::vector<Row> rows;
+  std::vector<double> history;
+  in.read_array<Row>("contacts", rows);
+  in.read_array<double>("contact_history", history);
+  const auto columns = static_cast<std::size_t>(w.has.history_columns);
+  if (rows.size() % 2 != 0 || history.size() != rows.size() / 2 * columns)
+    throw Error(ErrorCode::io, "contacts and their history do not fit together", in.path());
+  std::vector<ContactEntry> out(rows.size() / 2);
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    out[k].a = rows[2 * k];
+    out[k].b = rows[2 * k + 1];
+    std::copy_n(history.begin() + static_cast<std::ptrdiff_t>(k * columns), columns, out[k].h);
+  }
+  return out;
+}
+
+std::vector<WallEntry> read_walls(const World& w, const CheckpointReader& in) {
+  std::vector<WallState> states;
+  std::vector<double> moments;
+  in.read_array<WallState>("wall_contacts", states);
+  if (w.has.moments) in.read_array<double>("wall_moments", moments);
+  const auto columns = static_cast<std::size_t>(w.has.moment_columns);
+  if (moments.size() != states.size() * columns)
+    throw Error(ErrorCode::io, "wall contacts and their history do not fit together", in.path());
+  std::vector<WallEntry> out(states.size());
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    static_cast<WallState&>(out[k]) = states[k];
+    std::copy_n(moments.begin() + static_cast<std::ptrdiff_t>(k * columns), columns, out[k].m);
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -187,14 +253,12 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   }
   choose_chunk(w);
   make_chunks(w);
-  std::vector<ContactEntry> contacts;
-  in.read_array<ContactEntry>("contacts", contacts);
-  std::vector<WallState> walls;
-  in.read_array<WallState>("wall_contacts", walls);
+  std::vector<ContactEntry> contacts = read_contacts(w, in);
+  std::vector<WallEntry> walls = read_walls(w, in);
   for (const ContactEntry& e : contacts)
     if (e.a < 0 || e.b < 0 || e.a >= w.n || e.b >= w.n)
       throw Error(ErrorCode::io, "a contact names a particle that does not exist", in.path());
-  for (const WallState& s : walls)
+  for (const WallEntry& s : walls)
     if (s.row < 0 || s.row >= w.n || s.contact.wall >= w.walls.size())
       throw Error(ErrorCode::io, "a wall contact does not fit the scene", in.path());
   distribute_contacts(w, contacts, walls);
@@ -298,23 +362,7 @@ void Simulation::save(CheckpointWriter& out) const {
   if (w.has.materials) out.add_array("material", w.material.data(), n);
   if (w.has.fixed) out.add_array("fixed", w.fixed.data(), n);
   if (w.has.groups) out.add_array("group", w.group.data(), n);
-  const auto contacts = collect_contacts(w);
-  out.add_array("contacts", contacts.data(), contacts.size());
-  auto walls = collect_wall_states(w);
-  std::vector<WallState> clean(walls.size());
-  if (!clean.empty())
-    std::memset(static_cast<void*>(clean.data()), 0,
-                clean.size() * sizeof(WallState));  // no padding garbage in the bytes
-  for (std::size_t k = 0; k < walls.size(); ++k) {
-    clean[k].row = walls[k].row;
-    clean[k].contact.wall = walls[k].contact.wall;
-    clean[k].contact.element = walls[k].contact.element;
-    clean[k].contact.normal = walls[k].contact.normal;
-    clean[k].contact.distance = walls[k].contact.distance;
-    clean[k].contact.velocity = walls[k].contact.velocity;
-    for (int h = 0; h < k_max_history; ++h) clean[k].h[h] = walls[k].h[h];
-  }
-  out.add_array("wall_contacts", clean.data(), clean.size());
+  write_contacts(w, out);
   out.add("insertion", w.insertion->save());
 }
 

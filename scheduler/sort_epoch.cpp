@@ -30,7 +30,7 @@ std::int32_t cell_of(double x, double inverse, std::int32_t n) {
 
 void sort_epoch(World& w) {
   std::vector<ContactEntry> contacts = list_contacts(w);  // distribute_contacts() sorts by the new rows
-  std::vector<WallState> walls = collect_wall_states(w);
+  std::vector<WallEntry> walls = collect_wall_states(w);
   // The key comes from a grid of the scene alone, never from the list's cells (I3).
   const double inverse = 1.0 / (2.6 * w.r_max);
   std::vector<std::pair<std::uint64_t, Row>> keys;
@@ -74,7 +74,7 @@ void sort_epoch(World& w) {
   }
   contacts.resize(kept);
   kept = 0;
-  for (WallState& s : walls) {
+  for (WallEntry& s : walls) {
     s.row = inverse_row[static_cast<std::size_t>(s.row)];
     if (s.row >= 0) walls[kept++] = s;
   }

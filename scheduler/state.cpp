@@ -161,13 +161,21 @@ std::vector<ContactEntry> collect_contacts(const World& w) {
   return out;
 }
 
-std::vector<WallState> collect_wall_states(const World& w) {
-  std::vector<WallState> out;
-  for (const auto& c : w.chunks) out.insert(out.end(), c->wall_state.begin(), c->wall_state.end());
+std::vector<WallEntry> collect_wall_states(const World& w) {
+  std::vector<WallEntry> out;
+  for (const auto& c : w.chunks) {
+    const auto columns = static_cast<std::size_t>(w.has.moment_columns);
+    for (std::size_t k = 0; k < c->wall_state.size(); ++k) {
+      WallEntry e;
+      static_cast<WallState&>(e) = c->wall_state[k];
+      for (std::size_t q = 0; q < columns; ++q) e.m[q] = c->wall_moment[k * columns + q];
+      out.push_back(e);
+    }
+  }
   return out;
 }
 
-void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, const std::vector<WallState>& walls) {
+void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, const std::vector<WallEntry>& walls) {
   struct Item {
     int section;
     Row i, j;
@@ -196,17 +204,22 @@ void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, co
     for (int section = 0; section < 3; ++section) {
       for (; s < v.size() && v[s].section == section; ++s) {
         c.distributed[to++] = pair_key(v[s].i, v[s].j);
-        for (int q = 0; q < w.has.history_columns; ++q) c.h[q][s] = v[s].flip && q < 3 ? -v[s].e->h[q] : v[s].e->h[q];
+        for (int q = 0; q < w.has.history_columns; ++q) c.h[q][s] = v[s].flip && w.flips(q) ? -v[s].e->h[q] : v[s].e->h[q];
       }
       c.distributed[to++] = ~std::uint64_t{0};
     }
     w.chunks[k]->wall_state.clear();
+    w.chunks[k]->wall_moment.clear();
   }
-  std::vector<WallState> sorted = walls;
+  std::vector<WallEntry> sorted = walls;
   std::sort(sorted.begin(), sorted.end(), [](const WallState& l, const WallState& r) {
     return std::tie(l.row, l.contact.wall, l.contact.element) < std::tie(r.row, r.contact.wall, r.contact.element);
   });
-  for (const WallState& s : sorted) w.chunks[static_cast<std::size_t>(w.chunk_of(s.row))]->wall_state.push_back(s);
+  for (const WallEntry& s : sorted) {
+    Chunk& c = *w.chunks[static_cast<std::size_t>(w.chunk_of(s.row))];
+    c.wall_state.push_back(s);
+    c.wall_moment.insert(c.wall_moment.end(), s.m, s.m + w.has.moment_columns);
+  }
 }
 
 std::uint64_t state_hash(const World& w) {
@@ -222,7 +235,7 @@ std::uint64_t state_hash(const World& w) {
     std::memcpy(t.v, w.v.data() + static_cast<long>(w.stride) * i, sizeof(double) * static_cast<std::size_t>(w.stride));
     sum += XXH3_64bits(&t, sizeof t);
   }
-  if (w.has.history_columns > 0) {
+  if (w.has.history_columns > 0 || w.has.adhesion) {  // a neck beyond touch is state, with or without history
     for (const ContactEntry& e : list_contacts(w)) {
       if (!w.is_alive(e.a) || !w.is_alive(e.b)) continue;
       struct {
@@ -232,10 +245,20 @@ std::uint64_t state_hash(const World& w) {
       const bool flip = w.id[e.a] > w.id[e.b];
       t.a = w.id[flip ? e.b : e.a];
       t.b = w.id[flip ? e.a : e.b];
-      for (int k = 0; k < w.has.history_columns; ++k) t.h[k] = flip && k < 3 ? -e.h[k] : e.h[k];
+      for (int k = 0; k < w.has.law_columns; ++k) t.h[k] = flip && k < 3 ? -e.h[k] : e.h[k];
       sum += XXH3_64bits(&t, sizeof t);
+      if (w.has.moments) {
+        double m[k_max_moment + 2] = {};
+        std::memcpy(m, &t.a, sizeof t.a);
+        std::memcpy(m + 1, &t.b, sizeof t.b);
+        for (int k = 0; k < w.has.moment_columns; ++k) {
+          const int q = w.has.law_columns + k;
+          m[k + 2] = flip && w.flips(q) ? -e.h[q] : e.h[q];
+        }
+        sum += XXH3_64bits_withSeed(m, sizeof m, 4);
+      }
     }
-    for (const WallState& s : collect_wall_states(w)) {
+    for (const WallEntry& s : collect_wall_states(w)) {
       if (!w.is_alive(s.row)) continue;
       struct {
         ParticleId id;
@@ -244,8 +267,15 @@ std::uint64_t state_hash(const World& w) {
       } t{};
       t.id = w.id[s.row];
       t.wall = -1 - s.contact.wall;
-      for (int k = 0; k < w.has.history_columns; ++k) t.h[k] = s.h[k];
+      for (int k = 0; k < w.has.law_columns; ++k) t.h[k] = s.h[k];
       sum += XXH3_64bits(&t, sizeof t);
+      if (w.has.moments) {
+        double m[k_max_moment + 2] = {};
+        std::memcpy(m, &t.id, sizeof t.id);
+        std::memcpy(m + 1, &t.wall, sizeof t.wall);
+        for (int k = 0; k < w.has.moment_columns; ++k) m[k + 2] = s.m[k];
+        sum += XXH3_64bits_withSeed(m, sizeof m, 5);
+      }
     }
   }
   sum += XXH3_64bits_withSeed(&w.step, sizeof w.step, 1) + XXH3_64bits_withSeed(&w.next_id, sizeof w.next_id, 2);

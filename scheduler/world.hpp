@@ -30,7 +30,9 @@ inline constexpr int k_energy_block = 1024;
 struct Features {
   bool rotation = false, history = false, materials = false, walls = false, moving_walls = false, fixed = false;
   bool groups = false, energies = false, insertion = false, events = false, removal = false, periodic = false;
-  int history_columns = 0;
+  bool moments = false, cohesion = false, adhesion = false;
+  int history_columns = 0;  ///< of the law, then those of rolling and twisting
+  int law_columns = 0, moment_columns = 0;
   bool reff = false;
 };
 
@@ -44,10 +46,15 @@ struct WallState {
   double h[k_max_history] = {0, 0, 0, 0};
 };
 
+/// WallState with the history of rolling and twisting, as used by sort epochs, checkpoints and hashes.
+struct WallEntry : WallState {
+  double m[k_max_moment] = {0, 0, 0, 0, 0};
+};
+
 /// One undirected contact (a < b), as used by sort epochs, checkpoints and hashes; history oriented a - b.
 struct ContactEntry {
   Row a = 0, b = 0;
-  double h[k_max_history] = {0, 0, 0, 0};
+  double h[k_max_columns] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
 };
 
 /// Per-execution buffers of one chunk between narrow phase and integration; pooled so that they stay in cache.
@@ -55,7 +62,9 @@ struct Scratch {
   Column<std::int32_t> ci, cj;
   Column<double> f;                 ///< force rows of the chunk; all zero while `clean`
   bool clean = false;
-  Column<double> h[k_max_history];  ///< history of the present step, swapped with the chunk's
+  Column<double> h[k_max_columns];  ///< history of the present step, swapped with the chunk's
+  Column<double> m;                 ///< moment rows {M, 0} of the chunk: rolling and twisting only
+  Column<std::uint8_t> before;      ///< touch bits of the last step: where add_ons.cpp carries history
 };
 
 /// Owner of rows [lo, hi).
@@ -68,7 +77,7 @@ struct Chunk {
   std::int64_t end[3] = {0, 0, 0};
   std::int64_t pairs[3] = {0, 0, 0};  ///< without padding
   // contacts of the last step
-  Column<double> h[k_max_history];
+  Column<double> h[k_max_columns];
   std::int64_t contact_end[3] = {0, 0, 0};
   /// Keys of the contacts that a sort epoch or a checkpoint has handed to this chunk, each section closed by a last
   /// key; empty where the present list holds them.
@@ -81,6 +90,8 @@ struct Chunk {
   std::vector<WallState> wall_next;
   std::vector<Vec3> wall_force;  ///< on the particle, parallel to wall_state
   std::vector<Vec3> wall_point;  ///< contact points, parallel to wall_state
+  std::vector<double> wall_moment, wall_moment_next;  ///< rolling history: moment_columns per entry of wall_state
+  std::vector<Vec3> wall_torque;                      ///< moment on the particle; rolling and twisting only
   // energies of the step, one row of {elastic, damping, friction, background} per particle of the chunk
   std::vector<double> wall_power;  ///< work of moving walls in this step, parallel to wall_state
   // results of integrate
@@ -145,6 +156,11 @@ struct World {
   int law_variant = 0;
   std::vector<PairParameters> parameters;  ///< particle pairs, and walls (same table: walls are materials)
   LawArgs law_args{};
+  std::vector<AddOnParameters> add_ons;   ///< like parameters; empty without rolling, twisting and cohesion
+  std::vector<double> cohesion;           ///< energy densities; empty without cohesion
+  std::vector<double> adhesive_range;     ///< AdhesiveArgs::range; empty without adhesion
+  MomentArgs moment_args{};
+  unsigned moment_flips = 0;
   int stride = 4;  ///< doubles per velocity and force row (8 with rotation)
   int threads = 1;
 
@@ -208,6 +224,10 @@ struct World {
   int pair_index(int a, int b) const { return a * static_cast<int>(scene.materials.size()) + b; }
   Vec3 position(Row i) const;  ///< absolute [m]
   bool is_alive(Row i) const { return p[4L * i] < 1e100; }
+  /// History column q changes sign when the partners of a contact are swapped.
+  bool flips(int q) const {
+    return q < has.law_columns ? q < 3 : ((moment_flips >> (q - has.law_columns)) & 1U) != 0;
+  }
 };
 
 /// Adds the time since construction or the last lap to a part of the rebuild.
@@ -232,8 +252,8 @@ void make_chunks(World& w);        ///< cuts rows into chunks; keeps existing on
 void remove_row(World& w, Row i);  ///< marks a row dead (I2), counts it
 std::vector<ContactEntry> list_contacts(const World& w);     ///< chunk by chunk, each once
 std::vector<ContactEntry> collect_contacts(const World& w);  ///< ascending (a, b), whatever the chunks
-std::vector<WallState> collect_wall_states(const World& w);
-void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, const std::vector<WallState>& walls);
+std::vector<WallEntry> collect_wall_states(const World& w);
+void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, const std::vector<WallEntry>& walls);
 std::uint64_t state_hash(const World& w);
 
 // --- rebuild.cpp, cell_grid.cpp, sort_epoch.cpp ---------------------------------------------------------------------
@@ -247,6 +267,7 @@ void narrow_chunk(World& w, Chunk& c);
 struct BlockBuffers {
   alignas(64) double x[4][k_block + k_pad], g[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad],
       reff[k_block + k_pad];
+  alignas(64) double s[4][k_block + k_pad];  ///< spins, then moments; rolling and twisting only
   alignas(64) std::int32_t pair[k_block + k_pad];
   BlockBuffers() noexcept {
     for (int k = 0; k < k_block + k_pad; ++k) {
@@ -260,6 +281,17 @@ Block evaluate_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers&
 void force_chunk(World& w, Chunk& c);
 void wall_chunk(World& w, Chunk& c);
 void integrate_chunk(World& w, Chunk& c);
+
+// --- add_ons.cpp: what laws add to the plain step -----------------------------------------------------------------
+void configure_add_ons(World& w);                             ///< features, coefficients; refuses impossible attraction
+void narrow_add_ons(World& w, Chunk& c, NarrowArgs& a, std::size_t room);  ///< narrow phase with extra history or necks
+void evaluate_add_ons(const World& w, Chunk& c, std::int64_t k0, Block& b, BlockBuffers& buffers);
+/// Drops wall contacts that neither touch nor hang on a neck; returns how many of the n stay.
+int keep_wall_contacts(const World& w, Row i, WallContact* found, std::int32_t* from, int n);
+/// Moments and cohesion of wall contacts k0 .. k0 + b.n of wall_next, whose law has just run.
+void wall_add_ons(World& w, Chunk& c, std::size_t k0, Block& b);
+void clear_moments(const World& w, Chunk& c);
+void fold_moments(const World& w, Chunk& c);  ///< moment rows into the torque lanes of the force rows
 
 // --- step_graph.cpp -----------------------------------------------------------------------------------------------
 /// What has to happen at the start of the present step.

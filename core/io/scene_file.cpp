@@ -93,6 +93,57 @@ double read_friction(const SceneTable& r, double fallback) {
   return r.has("friction") ? r.number_or_none("friction").value_or(0) : fallback;
 }
 
+/// Coefficients of a section for what is added to the contact law: rolling, twisting, cohesion, adhesion.
+void read_add_ons(const SceneTable& r, PairCoefficients& k) {
+  k.rolling_friction = r.number_or("rolling_friction", k.rolling_friction);
+  k.rolling_damping = r.number_or("rolling_damping", k.rolling_damping);
+  k.twisting_friction = r.number_or("twisting_friction", k.twisting_friction);
+  k.twisting_damping = r.number_or("twisting_damping", k.twisting_damping);
+  k.cohesion_energy = r.number_or("cohesion_energy", k.cohesion_energy);
+  k.work_of_adhesion = r.number_or("work_of_adhesion", k.work_of_adhesion);
+}
+
+/// What an addition needs of the law, and that it does something.
+void check_add_ons(const SceneTable& r, const std::vector<SceneTable>& pairs, Scene& scene) {
+  ContactLaw& c = scene.contact;
+  double rolling = 0, twisting = 0, cohesion = 0, adhesion = 0;
+  for (const PairCoefficients& k : scene.pairs) {
+    rolling = fmax2(rolling, k.rolling_friction);
+    twisting = fmax2(twisting, k.twisting_friction);
+    cohesion = fmax2(cohesion, k.cohesion_energy);
+    adhesion = fmax2(adhesion, k.work_of_adhesion);
+  }
+  c.twisting = twisting > 0;
+  if (c.rolling != Rolling::none && !c.friction)
+    r.fail("rolling", "needs contact.friction > 0: without friction no grain rotates");
+  if (c.twisting && !c.friction) {
+    const char* why = "needs contact.friction > 0: without friction no grain rotates";
+    if (r.has("twisting_friction")) r.fail("twisting_friction", why);
+    for (const SceneTable& p : pairs)
+      if (p.has("twisting_friction")) p.fail("twisting_friction", why);
+  }
+  if (!c.twisting && r.has("twisting_damping"))
+    r.fail("twisting_damping", "has no effect without twisting_friction > 0");
+  if (c.rolling != Rolling::none && rolling == 0)
+    r.missing("rolling_friction", "(> 0 for some pair) by contact.rolling");
+  if (c.cohesion != Cohesion::none && cohesion == 0)
+    r.missing("cohesion_energy", "(> 0 for some pair) by contact.cohesion");
+  if (c.model == ContactModel::jkr && adhesion == 0)
+    r.missing("work_of_adhesion", "(> 0 for some pair) by contact.model = jkr");
+  for (const SceneTable& p : pairs) {
+    if (p.has("rolling_friction") && c.rolling == Rolling::none)
+      p.fail("rolling_friction", "has no effect without contact.rolling");
+    if (p.has("rolling_damping") && c.rolling != Rolling::epsd)
+      p.fail("rolling_damping", "has no effect without contact.rolling = epsd");
+    if (p.has("twisting_damping") && !c.twisting)
+      p.fail("twisting_damping", "has no effect without twisting_friction > 0");
+    if (p.has("cohesion_energy") && c.cohesion == Cohesion::none)
+      p.fail("cohesion_energy", "has no effect without contact.cohesion");
+    if (p.has("work_of_adhesion") && c.model != ContactModel::jkr)
+      p.fail("work_of_adhesion", "has no effect without contact.model = jkr");
+  }
+}
+
 void read_contact(const SceneTable& r, const std::vector<SceneTable>& pairs, const std::vector<SceneTable>& materials,
                   const std::vector<std::string>& names, Scene& scene) {
   ContactLaw& c = scene.contact;
@@ -103,7 +154,13 @@ void read_contact(const SceneTable& r, const std::vector<SceneTable>& pairs, con
   c.synchronised = r.boolean("synchronised");
 
   const std::size_t n = names.size();
-  scene.pairs.assign(n * n, {read_friction(r, 0), r.number_or("restitution", -1)});
+  c.rolling = r.choice<Rolling>("rolling");
+  c.cohesion = r.choice<Cohesion>("cohesion");
+  PairCoefficients general{read_friction(r, 0), r.number_or("restitution", -1)};
+  general.rolling_damping = c.rolling == Rolling::epsd ? r.number("rolling_damping") : 0;
+  general.twisting_damping = r.number("twisting_damping");
+  read_add_ons(r, general);
+  scene.pairs.assign(n * n, general);
   bool any_restitution = r.has("restitution");
   std::vector<char> seen(n * n);
   for (const SceneTable& p : pairs) {
@@ -115,12 +172,14 @@ void read_contact(const SceneTable& r, const std::vector<SceneTable>& pairs, con
     k.friction = read_friction(p, k.friction);
     k.restitution = p.number_or("restitution", k.restitution);
     any_restitution = any_restitution || p.has("restitution");
+    read_add_ons(p, k);
     if (p.has("restitution") && r.has("normal_damping"))
       p.fail("restitution", "contradicts 'contact.normal_damping'; give one of the two");
     scene.pairs[b * n + a] = k;
   }
   c.friction = false;
   for (const PairCoefficients& k : scene.pairs) c.friction = c.friction || k.friction > 0;
+  check_add_ons(r, pairs, scene);
 
   if (c.model == ContactModel::linear) {
     r.require("normal_stiffness", "by contact.model = linear");
@@ -281,7 +340,8 @@ WallSpec read_wall(const SceneTable& r, const std::vector<std::string>& material
     r.require("radius_end", why);
     w.radius_end = r.number("radius_end");
     if (w.radius == 0 && w.radius_end == 0) r.fail("radius_end", "one of the two radii must be > 0");
-    if (w.length == 0 && w.radius == w.radius_end) r.fail("radius_end", "a flat ring (length 0) needs two different radii");
+    if (w.length == 0 && w.radius == w.radius_end)
+      r.fail("radius_end", "a flat ring (length 0) needs two different radii");
   }
   if (w.shape == WallShape::box) {
     r.require("lower", why);

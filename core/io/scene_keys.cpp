@@ -78,8 +78,9 @@ constexpr SceneKey k_keys[] = {
     {"material", "poisson", T::number, "-", 0, 0.5, false, "", "(required by the Hertz models)", "", "Poisson's ratio",
      "0.25"},
 
-    {"contact", "model", T::choice, "", 0, 0, false, "linear|hertz_mindlin|hertz_tsuji", "\"linear\"", "",
-     "linear: spring and dashpot; hertz_mindlin: restitution exact; hertz_tsuji: Tsuji's damping polynomial",
+    {"contact", "model", T::choice, "", 0, 0, false, "linear|hertz_mindlin|hertz_tsuji|jkr", "\"linear\"", "",
+     "linear: spring and dashpot; hertz_mindlin: restitution exact; hertz_tsuji: Tsuji's damping polynomial; jkr: "
+     "adhesive hertz_mindlin",
      "\"linear\""},
     {"contact", "friction", T::number_or_none, "-", 0, 1e6, false, "", "\"none\"", "",
      "Coulomb coefficient; none or 0 for all pairs: no tangential force, history or rotation", "0.5"},
@@ -103,12 +104,42 @@ constexpr SceneKey k_keys[] = {
     {"contact", "lever", T::choice, "", 0, 0, false, "contact|radius", "\"contact\"", "",
      "lever of the tangential force: to the contact point (conserves angular momentum) or the full radius",
      "\"radius\""},
+    {"contact", "rolling", T::choice, "", 0, 0, false, "none|cdt|epsd", "\"none\"", "",
+     "rolling resistance; cdt: constant moment against the spin; epsd: spring, dashpot and slider (rests without creep)",
+     "\"epsd\""},
+    {"contact", "rolling_friction", T::number, "-", 0, 100, false, "", "0", "rolling=cdt|epsd",
+     "mu_r in moment <= mu_r R* F_n", "0.1"},
+    {"contact", "rolling_damping", T::number, "-", 0, 10, false, "", "0.3", "rolling=epsd",
+     "damping ratio of the rolling spring; acts below the limit only", "0.5"},
+    {"contact", "twisting_friction", T::number, "-", 0, 100, false, "", "0", "",
+     "mu_t in moment about the normal <= mu_t R* F_n; 0 for all pairs: no twisting resistance", "0.05"},
+    {"contact", "twisting_damping", T::number, "-", 0, 10, false, "", "0.3", "",
+     "damping ratio of the twisting spring; acts below the limit only", "0.5"},
+    {"contact", "cohesion", T::choice, "", 0, 0, false, "none|sjkr", "\"none\"",
+     "model=linear|hertz_mindlin|hertz_tsuji", "sjkr: attraction = cohesion_energy * contact area, while in touch",
+     "\"sjkr\""},
+    {"contact", "cohesion_energy", T::number, "J/m3", 0, k_big, false, "", "0", "cohesion=sjkr",
+     "cohesion energy density: attraction per contact area", "1e3"},
+    {"contact", "work_of_adhesion", T::number, "J/m2", 0, k_big, false, "", "0", "model=jkr",
+     "w of a pair of surfaces, 2 gamma of like ones; pull-off force 3/2 pi w R*", "0.05"},
 
     {"pair", "materials", T::text_pair, "", 0, 0, false, "", "required", "", "the two materials, in any order",
      "[\"glass\", \"steel\"]"},
     {"pair", "friction", T::number_or_none, "-", 0, 1e6, false, "", "(contact.friction)", "", "Coulomb coefficient",
      "0.3"},
     {"pair", "restitution", T::number, "-", 0, 1, true, "", "(contact.restitution)", "", "normal restitution", "0.7"},
+    {"pair", "rolling_friction", T::number, "-", 0, 100, false, "", "(contact.rolling_friction)", "",
+     "rolling friction; needs contact.rolling", "0.2"},
+    {"pair", "rolling_damping", T::number, "-", 0, 10, false, "", "(contact.rolling_damping)", "",
+     "damping ratio of the rolling spring; needs contact.rolling = epsd", "0.5"},
+    {"pair", "twisting_friction", T::number, "-", 0, 100, false, "", "(contact.twisting_friction)", "",
+     "twisting friction", "0.02"},
+    {"pair", "twisting_damping", T::number, "-", 0, 10, false, "", "(contact.twisting_damping)", "",
+     "damping ratio of the twisting spring", "0.5"},
+    {"pair", "cohesion_energy", T::number, "J/m3", 0, k_big, false, "", "(contact.cohesion_energy)", "",
+     "cohesion energy density; needs contact.cohesion = sjkr", "500"},
+    {"pair", "work_of_adhesion", T::number, "J/m2", 0, k_big, false, "", "(contact.work_of_adhesion)", "",
+     "work of adhesion; needs contact.model = jkr", "0.02"},
 
     {"source", "kind", T::choice, "", 0, 0, false, "file|lattice|random|stream", "required", "",
      "file: initial state; lattice or random: a pack at time start; stream: batches at a rate", "\"random\""},
@@ -371,7 +402,6 @@ struct Line {
 std::vector<Line> minimal_section(std::string_view section, std::string_view variant) {
   if (section == "domain") return {{"lower", "[0, 0, 0]"}, {"upper", "[1, 1, 2]"}};
   if (section == "time") return {{"step", "1e-5"}, {"steps", "100"}};
-  if (section == "contact") return {{"normal_stiffness", "1e5"}};
   if (section == "source") {
     if (variant == "file") return {{"kind", "\"file\""}, {"file", "\"state.csv\""}};
     if (variant == "lattice") return {{"kind", "\"lattice\""}};
@@ -412,11 +442,26 @@ std::vector<Line> minimal_section(std::string_view section, std::string_view var
   return {};
 }
 
+/// Lines of [contact], for which the key (of this section or of [[pair]]) decides what else must be there.
+std::vector<Line> contact_section(const SceneKey& key) {
+  const Line stiffness{"normal_stiffness", "1e5"}, friction{"friction", "0.5"}, rolling{"rolling_friction", "0.1"};
+  const bool asked = key.section == "contact" || key.section == "pair";
+  if (asked && key.name == "rolling") return {stiffness, friction, rolling};
+  if (asked && key.name == "rolling_friction") return {stiffness, friction, {"rolling", "\"cdt\""}};
+  if (asked && key.name == "rolling_damping") return {stiffness, friction, {"rolling", "\"epsd\""}, rolling};
+  if (asked && key.name == "twisting_friction") return {stiffness, friction};
+  if (asked && key.name == "twisting_damping") return {stiffness, friction, {"twisting_friction", "0.05"}};
+  if (asked && key.name == "cohesion") return {stiffness, {"cohesion_energy", "1e3"}};
+  if (asked && key.name == "cohesion_energy") return {stiffness, {"cohesion", "\"sjkr\""}};
+  if (asked && key.name == "work_of_adhesion") return {{"model", "\"jkr\""}, {"restitution", "0.8"}};
+  return {stiffness};
+}
+
 std::string section_text(std::string_view section, std::string_view variant, const SceneKey& key) {
   std::string s;
   if (!section.empty()) s = header_text(*find_scene_section(section)) + "\n";
   bool placed = section != key.section;
-  for (const Line& line : minimal_section(section, variant)) {
+  for (const Line& line : section == "contact" ? contact_section(key) : minimal_section(section, variant)) {
     const bool same = section == key.section && line.name == key.name;
     // steps and duration, number_rate and mass_rate exclude each other
     if (section == key.section &&
@@ -556,7 +601,8 @@ std::string scene_key_example(const SceneKey& key) {
   s += "[[material]]\nname = \"glass\"\ndensity = 2500\n";
   if (key.section == "material" && key.name != "name" && key.name != "density")
     s += fmt::format("{} = {}\n", key.name, key.example);
-  s += "[[material]]\nname = \"steel\"\ndensity = 7800\n";
+  const std::string elastic = key.name == "work_of_adhesion" ? "young = 5e7\npoisson = 0.25\n" : "";
+  s += elastic + "[[material]]\nname = \"steel\"\ndensity = 7800\n" + elastic;
   s += section_text("contact", "", key);
   if (key.section == "pair" && key.name == "restitution") s += "restitution = 0.8\n";
   s += section_text("source", variant_of("source"), key);

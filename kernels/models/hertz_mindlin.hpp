@@ -10,7 +10,7 @@
 // Reads kn = 4/3 E* [Pa], kt = 8 G* [Pa], gn = alpha [-], gt = sqrt(2/3) alpha [-], mu; wants R*.
 #pragma once
 
-#include "kernels/models/linear.hpp"
+#include "kernels/models/jkr.hpp"
 
 namespace talus::kernels {
 
@@ -20,8 +20,21 @@ struct HertzMindlin {
   static constexpr bool wants_reff = true;
 };
 
-template <class S, bool Friction, bool Multi, bool Energy>
-void force(HertzMindlin, Block& block, const LawArgs& args) {
+/// Work of adhesion of W contacts [J/m2].
+template <class S, bool Multi>
+TALUS_INLINE typename S::B adhesion_of(const Block& b, const LawArgs& a, int k) {
+  if constexpr (Multi) {
+    double t[S::W];
+    for (int q = 0; q < S::W; ++q) t[q] = a.table[b.pair[k + q]].w;
+    return S::load(t);
+  } else {
+    return S::set(a.one.w);
+  }
+}
+
+/// Adhesive: the normal force and contact radius of JKR (kernels/models/jkr.hpp) in place of Hertz.
+template <class S, bool Friction, bool Multi, bool Energy, bool Adhesive>
+void hertz_force(Block& block, const LawArgs& args) {
   using B = typename S::B;
   const LawArgs a = args;  // local copies: the stores below cannot alias them
   const Block b = block;
@@ -37,18 +50,43 @@ void force(HertzMindlin, Block& block, const LawArgs& args) {
     const B d = S::load(b.g[0] + k), inv = S::load(b.g[1] + k), delta = w - d;
     const B n[3] = {x[0] * inv, x[1] * inv, x[2] * inv};
     const B vn = (v[0] * n[0] + v[1] * n[1]) + v[2] * n[2];
-    const B radius = S::sqrt(reff * delta), sn = c.kn * radius;
+    B radius, sn, fn;
+    [[maybe_unused]] JkrContact<S> jkr;
+    [[maybe_unused]] B work_of_adhesion;
+    if constexpr (Adhesive) {
+      work_of_adhesion = adhesion_of<S, Multi>(b, a, k);
+      jkr.set(work_of_adhesion, S::set(0.75) * c.kn, reff, delta);
+      radius = jkr.a;
+      sn = c.kn * radius;
+      fn = jkr.force();
+    } else {
+      radius = S::sqrt(reff * delta);
+      sn = c.kn * radius;
+      fn = sn * delta;
+    }
     const B cn = c.gn * S::sqrt(sn / ms);  // [kg/s]
-    B fn = sn * delta - cn * vn;
+    fn = fn - cn * vn;
     if (a.centred != 0) fn = fn / (one + hdt * (cn * ms));
     B f[3] = {fn * n[0], fn * n[1], fn * n[2]};
     B mid = one;  // dashpot at n-1/2 over that at n
     if constexpr (Energy) {
       // Loss over [n-1, n] by the midpoint rule: v(n-1/2) with the dashpot of the overlap at n-1/2.
-      const B middle = delta + hdt * vn;
-      mid = S::sqrt(S::sqrt(S::select(S::gt(middle, zero), middle, zero) / delta));
-      S::store(b.e[0] + k, two_fifths * (sn * (delta * delta)));
-      S::store(b.e[1] + k, dt * ((cn * mid) * (vn * vn)));
+      if constexpr (Adhesive) {
+        const B last = delta + dt * vn;
+        JkrContact<S> before, middle;
+        before.set(work_of_adhesion, S::set(0.75) * c.kn, reff, last);
+        middle.set(work_of_adhesion, S::set(0.75) * c.kn, reff, half * (last + delta));
+        mid = S::sqrt(middle.a / radius);
+        const B now = jkr.energy(), stored = S::select(S::gt(delta, zero), now, zero);
+        const B neck = now - stored, neck_before = S::select(S::gt(last, zero), zero, before.energy());
+        S::store(b.e[0] + k, stored);
+        S::store(b.e[1] + k, dt * ((cn * mid) * (vn * vn)) + (neck - neck_before));
+      } else {
+        const B middle = delta + hdt * vn;
+        mid = S::sqrt(S::sqrt(S::select(S::gt(middle, zero), middle, zero) / delta));
+        S::store(b.e[0] + k, two_fifths * (sn * (delta * delta)));
+        S::store(b.e[1] + k, dt * ((cn * mid) * (vn * vn)));
+      }
       S::store(b.e[2] + k, zero);
     }
     if constexpr (Friction) {
@@ -70,16 +108,18 @@ void force(HertzMindlin, Block& block, const LawArgs& args) {
         g[q] = (h[q] - ct * t[q]) * shrink;
       }
       const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
-      const B limit = c.mu * S::select(S::gt(fn, zero), fn, zero);
+      B press = fn;
+      if constexpr (Adhesive) press = fn + S::set(3.0) * jkr.pull;
+      const B limit = c.mu * S::select(S::gt(press, zero), press, zero);
       const auto slides = S::gt(g2, limit * limit);
       B damped = zero;  // power of the dashpot
       if constexpr (Energy) damped = ct * ((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]);
       if (S::any(slides)) {
         // as in the linear law: the spring carries what the dashpot leaves of the limit, at least nothing
-        const B root = one / S::sqrt(g2), along = ((g[0] * t[0] + g[1] * t[1]) + g[2] * t[2]) * root;
+        const B inv_g = one / S::sqrt(g2), along = ((g[0] * t[0] + g[1] * t[1]) + g[2] * t[2]) * inv_g;
         const B spring = limit / shrink + ct * along;
-        const B scale = S::select(slides, limit * root, one);
-        const B keep = S::select(S::gt(spring, zero), spring, zero) * root;
+        const B scale = S::select(slides, limit * inv_g, one);
+        const B keep = S::select(S::gt(spring, zero), spring, zero) * inv_g;
         for (int q = 0; q < 3; ++q) {
           h[q] = S::select(slides, g[q] * keep, h[q]);
           g[q] = g[q] * scale;
@@ -119,6 +159,22 @@ void force(HertzMindlin, Block& block, const LawArgs& args) {
     S::store(b.r[2] + k, f[2]);
     S::store(b.r[3] + k, S::set(1.5) * sn);
   }
+}
+
+template <class S, bool Friction, bool Multi, bool Energy>
+void force(HertzMindlin, Block& b, const LawArgs& a) {
+  hertz_force<S, Friction, Multi, Energy, false>(b, a);
+}
+
+struct Jkr {
+  static constexpr const char* name = "jkr";
+  static constexpr int history = 4;
+  static constexpr bool wants_reff = true;
+};
+
+template <class S, bool Friction, bool Multi, bool Energy>
+void force(Jkr, Block& b, const LawArgs& a) {
+  hertz_force<S, Friction, Multi, Energy, true>(b, a);
 }
 
 }  // namespace talus::kernels

@@ -255,12 +255,43 @@ Scene hertz_drum() {
   return s;
 }
 
+Scene sticky_drum() {
+  // JKR necks, rolling springs and twisting between grains, on a turning cylinder and on a shaken plane.
+  Scene s = hertz_drum();
+  s.title = "sticky drum";
+  s.dt = 1e-5;
+  s.contact.model = ContactModel::jkr;
+  s.contact.rolling = Rolling::epsd;
+  s.contact.twisting = true;
+  for (PairCoefficients& p : s.pairs) {
+    p.rolling_friction = 0.2;
+    p.rolling_damping = 0.3;
+    p.twisting_friction = 0.1;
+    p.twisting_damping = 0.2;
+    p.work_of_adhesion = 0.02 * p.restitution;
+  }
+  return s;
+}
+
+Scene cohesive_pile() {
+  // Attraction by contact area and constant rolling moments on a turning mesh, with the energy ledger.
+  Scene s = pile_on_mesh();
+  s.title = "cohesive pile";
+  s.contact.rolling = Rolling::cdt;
+  s.contact.cohesion = Cohesion::sjkr;
+  s.pairs[0].rolling_friction = 0.1;
+  s.pairs[0].cohesion_energy = 2e4;
+  return s;
+}
+
 const std::vector<NamedScene>& scenes() {
   static const std::vector<NamedScene> all = {{"hopper", hopper},
                                               {"sheared_bed", sheared_bed},
                                               {"gas", gas},
                                               {"pile_on_mesh", pile_on_mesh},
-                                              {"hertz_drum", hertz_drum}};
+                                              {"hertz_drum", hertz_drum},
+                                              {"sticky_drum", sticky_drum},
+                                              {"cohesive_pile", cohesive_pile}};
   return all;
 }
 

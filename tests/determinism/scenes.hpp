@@ -20,7 +20,9 @@ Scene hopper();        ///< cylinder and cone, moving gate, stream of grains, op
 Scene sheared_bed();   ///< periodic in x and y, frozen bottom, driven top; linear law with friction
 Scene gas();           ///< periodic in all directions, frictionless, elastic
 Scene pile_on_mesh();  ///< diameters 1:4 falling on a bumpy, rocking mesh, periodic in y; energies on
-Scene hertz_drum();    ///< Hertz-Mindlin, two materials, rotating drum, vibrating plane
+Scene hertz_drum();
+Scene sticky_drum();
+Scene cohesive_pile();    ///< Hertz-Mindlin, two materials, rotating drum, vibrating plane
 
 struct NamedScene {
   const char* name;

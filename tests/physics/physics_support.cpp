@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <stdexcept>
 
 namespace talus::physics {
 namespace {
@@ -23,12 +24,19 @@ class TempFolder {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
   }
-  std::string next() { return (path_ / fmt::format("grains-{}.csv", count_++)).string(); }
+  std::string next(const char* extension) {
+    return (path_ / fmt::format("file-{}.{}", count_++, extension)).string();
+  }
 
  private:
   std::filesystem::path path_;
   int count_ = 0;
 };
+
+TempFolder& folder() {
+  static TempFolder f;
+  return f;
+}
 
 }  // namespace
 
@@ -45,8 +53,7 @@ Scene open_scene(Vec3 lower, Vec3 upper, double dt) {
 }
 
 void add_grains(Scene& scene, const std::vector<Grain>& grains) {
-  static TempFolder folder;
-  const std::string path = folder.next();
+  const std::string path = folder().next("csv");
   std::FILE* out = std::fopen(path.c_str(), "w");
   ASSERT_NE(out, nullptr) << path;
   fmt::print(out, "x,y,z,radius,vx,vy,vz,wx,wy,wz,material,fixed\n");
@@ -94,6 +101,24 @@ WallSpec plane(const std::string& name, Vec3 point, Vec3 normal, int material) {
   w.normal = normal;
   w.material = material;
   return w;
+}
+
+std::string flat_mesh(double x0, double x1, double y0, double y1, int nx, int ny) {
+  std::string text;
+  for (int y = 0; y <= ny; ++y)
+    for (int x = 0; x <= nx; ++x)
+      text += fmt::format("v {:.17g} {:.17g} 0\n", x0 + (x1 - x0) * x / nx, y0 + (y1 - y0) * y / ny);
+  for (int y = 0; y < ny; ++y)
+    for (int x = 0; x < nx; ++x) {
+      const int a = y * (nx + 1) + x + 1, b = a + nx + 1;
+      text += fmt::format("f {} {} {}\nf {} {} {}\n", a, a + 1, b + 1, a, b + 1, b);
+    }
+  const std::string path = folder().next("obj");
+  std::FILE* out = std::fopen(path.c_str(), "w");
+  if (out == nullptr) throw std::runtime_error("cannot write " + path);
+  fmt::print(out, "{}", text);
+  std::fclose(out);
+  return path;
 }
 
 double sphere_mass(double density, double r) { return density * (4.0 / 3.0 * k_pi) * (r * r * r); }

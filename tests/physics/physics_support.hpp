@@ -34,6 +34,9 @@ void hertz_law(Scene& scene, double e, double mu);
 /// Plane through `point` with `normal` towards the particles.
 WallSpec plane(const std::string& name, Vec3 point, Vec3 normal, int material = 0);
 
+/// OBJ file of a flat floor z = 0 of nx by ny squares, two triangles each; returns its path.
+std::string flat_mesh(double x0, double x1, double y0, double y1, int nx, int ny);
+
 double sphere_mass(double density, double r);
 /// One thread and the default instruction set: these scenes are small.
 RunOptions options();

@@ -1,0 +1,173 @@
+// Rolling and twisting resistance, an addition to any contact law: the law has run, its force F and stiffness k_n of
+// the contact are known; this pass adds a moment M on i and -M on j. Instantiated by isa_*.cpp; called by
+// scheduler/add_ons.cpp for scenes that ask for it. With w = w_i - w_j, N = max(F.n, 0) (JKR: F.n + 3 pi w_a R*, the
+// force that presses the surfaces together), R* the reduced radius (a wall: r):
+//   constant directional torque ("cdt"):  M = -mu_r R* N w_r/|w_r|,  w_r = w - (w.n) n, but no more than stops the
+//     spin of the free pair within the step: the sign of a rounding error must not steer the full moment
+//   elastic-plastic spring-dashpot ("epsd", Ai et al. 2011, model C):  dM = -k_r w_r dt,  k_r = 9/4 k_n mu_r^2 R*^2,
+//     |M| <= mu_r R* N;  below that limit the dashpot -2 eta_r sqrt(I_r k_r) w_r acts as well, at the limit it does
+//     not; 1/I_r = 1/(7/5 m_i r_i^2) + 1/(7/5 m_j r_j^2)
+//   twisting:  the same spring, slider and dashpot about the normal:  dM = -k_t (w.n) dt,  k_t = 9/4 k_n mu_t^2 R*^2,
+//     |M| <= mu_t R* N, dashpot -2 eta_t sqrt(I_t k_t) (w.n),  1/I_t = 1/(2/5 m_i r_i^2) + 1/(2/5 m_j r_j^2)
+// k_n is the stiffness that the law reports: that of the spring, or the tangent stiffness 2 E* a of Hertz. Where it
+// varies, the stored moments shrink with it and do not grow with it (as the tangential force of the Hertz law): no
+// closed loop yields energy.
+// History: rolling moment [N m] (3 columns, oriented i - j; epsd), twisting moment about the own normal (1 column, the
+// same for both orientations), last stiffness (1 column; rescale), in this order.
+#pragma once
+
+#include "kernels/models/linear.hpp"
+
+namespace talus::kernels {
+
+/// Relative spins; divisions per contact, so the loop is scalar: the same on every instruction set.
+template <class S>
+void spin(const SpinArgs& a) {
+  for (int k = 0; k < a.n; ++k) {
+    const double *vi = a.v + 8L * a.i[k], *vj = a.v + 8L * a.j[k];
+    const double ri = 1 / a.p[4L * a.i[k] + 3], rj = 1 / a.p[4L * a.j[k] + 3];
+    for (int q = 0; q < 3; ++q) a.s[q][k] = vi[4 + q] * ri - vj[4 + q] * rj;
+    a.s[3][k] = (5.0 / 7.0) * (vi[7] * (ri * ri) + vj[7] * (rj * rj));
+  }
+  for (int k = a.n; k < (a.n + 7) / 8 * 8; ++k) {  // padding lanes: finite
+    for (int q = 0; q < 3; ++q) a.s[q][k] = 0;
+    a.s[3][k] = 1;
+  }
+}
+
+/// Coefficients of W contacts.
+template <class S>
+struct MomentCoefficients {
+  typename S::B rolling, viscous, twisting, torsion, press;
+  TALUS_INLINE void load(const MomentBlock& b, const MomentArgs& a, int k) {
+    if (a.table == nullptr) {
+      rolling = S::set(a.one.rolling);
+      viscous = S::set(a.one.viscous);
+      twisting = S::set(a.one.twisting);
+      torsion = S::set(a.one.torsion);
+      press = S::set(a.one.press);
+      return;
+    }
+    double t[5][S::W];
+    for (int q = 0; q < S::W; ++q) {
+      const AddOnParameters& p = a.table[b.pair[k + q]];
+      t[0][q] = p.rolling;
+      t[1][q] = p.viscous;
+      t[2][q] = p.twisting;
+      t[3][q] = p.press;
+      t[4][q] = p.torsion;
+    }
+    rolling = S::load(t[0]);
+    viscous = S::load(t[1]);
+    twisting = S::load(t[2]);
+    press = S::load(t[3]);
+    torsion = S::load(t[4]);
+  }
+};
+
+template <class S>
+void moments(MomentBlock& b, const MomentArgs& args) {
+  using B = typename S::B;
+  const MomentArgs a = args;
+  const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt);
+  const bool epsd = a.rolling == 2;
+  const int twist_column = epsd ? 3 : 0, last_column = twist_column + a.twisting;
+  for (int k = 0; k < b.n; k += S::W) {
+    MomentCoefficients<S> c;
+    c.load(b, a, k);
+    const B x[3] = {S::load(b.x + k), S::load(b.y + k), S::load(b.z + k)};
+    const B inv = one / S::sqrt((x[0] * x[0] + x[1] * x[1]) + x[2] * x[2]);
+    const B n[3] = {x[0] * inv, x[1] * inv, x[2] * inv};
+    const B s[3] = {S::load(b.s[0] + k), S::load(b.s[1] + k), S::load(b.s[2] + k)};
+    const B turn = (s[0] * n[0] + s[1] * n[1]) + s[2] * n[2];
+    const B roll[3] = {s[0] - turn * n[0], s[1] - turn * n[1], s[2] - turn * n[2]};
+    const B reff = S::load(b.reff + k), stiffness = S::load(b.r[3] + k);
+    const B f[3] = {S::load(b.r[0] + k), S::load(b.r[1] + k), S::load(b.r[2] + k)};
+    const B fn = ((f[0] * n[0] + f[1] * n[1]) + f[2] * n[2]) + c.press * reff;
+    const B arm = reff * S::select(S::gt(fn, zero), fn, zero);
+    const B roll2 = (roll[0] * roll[0] + roll[1] * roll[1]) + roll[2] * roll[2];
+    B m[3] = {zero, zero, zero}, elastic = zero, damped = zero, rubbed = zero;
+    B shrink = one, kept = one;  // of the stored moments, and of their energy
+    if (a.rescale != 0) {
+      const B last = S::load(b.h[last_column] + k);
+      shrink = S::select(S::lt(stiffness, last), stiffness / last, one);
+      kept = S::select(S::gt(last, zero), S::select(S::lt(stiffness, last), shrink, last / stiffness), one);
+      S::store(b.h[last_column] + k, stiffness);
+    }
+    const B spring_unit = (S::set(2.25) * stiffness) * (reff * reff);  // times mu^2
+    if (a.rolling == 1) {
+      const B speed = S::sqrt(roll2), full = c.rolling * arm;
+      const B stop = speed / (dt * (S::set(3.5) * S::load(b.s[3] + k)));
+      const B limit = S::select(S::lt(stop, full), stop, full);
+      const B scale = S::select(S::gt(speed, zero), limit / speed, zero);
+      for (int q = 0; q < 3; ++q) m[q] = zero - scale * roll[q];
+      rubbed = dt * (limit * speed);
+    }
+    if (epsd) {
+      const B kr = spring_unit * (c.rolling * c.rolling), limit = c.rolling * arm;
+      const B before[3] = {S::load(b.h[0] + k), S::load(b.h[1] + k), S::load(b.h[2] + k)};
+      const B along = (before[0] * n[0] + before[1] * n[1]) + before[2] * n[2];
+      B h[3], old[3], trial[3];
+      for (int q = 0; q < 3; ++q) {
+        old[q] = (before[q] - along * n[q]) * shrink;
+        h[q] = trial[q] = old[q] - kr * (roll[q] * dt);
+      }
+      const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
+      const auto slides = S::gt(h2, limit * limit);
+      const B inertia = one / S::load(b.s[3] + k);
+      const B rate = (c.viscous + c.viscous) * S::sqrt(inertia * kr);
+      B damp = rate;
+      if (a.centred != 0) damp = rate / (one + (half * dt) * (rate * S::load(b.s[3] + k)));
+      const B scale = S::select(slides, limit / S::sqrt(h2), one);
+      damp = S::select(slides, zero, damp);
+      for (int q = 0; q < 3; ++q) {
+        h[q] = h[q] * scale;
+        m[q] = h[q] - damp * roll[q];
+        S::store(b.h[q] + k, h[q]);
+      }
+      if (b.e != nullptr) {
+        // as the tangential spring: the slider turns by (trial - h) / k_r against the mean of the moments before and
+        // after; a pair without rolling friction (k_r = 0) has nothing to store
+        const B soft = S::select(S::gt(kr, zero), one / kr, zero);
+        const B m2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2],
+                o2 = (old[0] * old[0] + old[1] * old[1]) + old[2] * old[2];
+        B slip = zero;
+        for (int q = 0; q < 3; ++q) slip = slip + (half * (old[q] + h[q])) * (trial[q] - h[q]);
+        elastic = half * (m2 * soft);
+        damped = S::select(slides, zero, dt * (rate * roll2));
+        // M^2 / (2 k) falls when k shrinks (M with it) and when k grows (M stays); neither partner gets that energy
+        rubbed = slip * soft + half * ((o2 / kept) * soft) * (one - kept);
+      }
+    }
+    if (a.twisting != 0) {
+      const B kt = spring_unit * (c.twisting * c.twisting), limit = c.twisting * arm;
+      const B old = S::load(b.h[twist_column] + k) * shrink, trial = old - kt * (turn * dt);
+      B h = S::select(S::gt(trial, limit), limit, trial);
+      h = S::select(S::lt(h, zero - limit), zero - limit, h);
+      S::store(b.h[twist_column] + k, h);
+      const auto slides = S::gt(S::abs(trial), limit);
+      const B compliance = S::set(3.5) * S::load(b.s[3] + k);
+      const B rate = (c.torsion + c.torsion) * S::sqrt(kt / compliance);
+      B damp = rate;
+      if (a.centred != 0) damp = rate / (one + (half * dt) * (rate * compliance));
+      const B total = h - S::select(slides, zero, damp) * turn;
+      for (int q = 0; q < 3; ++q) m[q] = m[q] + total * n[q];
+      if (b.e != nullptr) {
+        const B soft = S::select(S::gt(kt, zero), one / kt, zero);
+        elastic = elastic + half * ((h * h) * soft);
+        damped = damped + S::select(slides, zero, dt * (rate * (turn * turn)));
+        rubbed =
+            rubbed + (half * (old + h)) * ((trial - h) * soft) + half * (((old * old) / kept) * soft) * (one - kept);
+      }
+    }
+    for (int q = 0; q < 3; ++q) S::store(b.s[q] + k, m[q]);
+    S::store(b.s[3] + k, zero);
+    if (b.e != nullptr) {
+      S::store(b.e[0] + k, S::load(b.e[0] + k) + elastic);
+      S::store(b.e[1] + k, S::load(b.e[1] + k) + damped);
+      S::store(b.e[2] + k, S::load(b.e[2] + k) + rubbed);
+    }
+  }
+}
+
+}  // namespace talus::kernels
