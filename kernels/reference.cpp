@@ -111,7 +111,7 @@ Vec3 moments(const Pair& p, Vec3 force, double stiffness, const AddOnParameters&
     m = (-std::min(c.rolling * reff * press / norm(roll), 1 / (a.dt * compliance))) * roll;
   }
   if (a.rolling == 2) {
-    const double k = 2.25 * stiffness * std::pow(c.rolling * reff, 2), limit = c.rolling * reff * press;
+    const double k = 2.25 * stiffness * (c.rolling * reff) * (c.rolling * reff), limit = c.rolling * reff * press;
     h.rolling = shrink * (h.rolling - dot(h.rolling, n) * n) - (k * a.dt) * roll;
     if (norm(h.rolling) > limit) {
       h.rolling = (limit / norm(h.rolling)) * h.rolling;
@@ -124,7 +124,7 @@ Vec3 moments(const Pair& p, Vec3 force, double stiffness, const AddOnParameters&
     }
   }
   if (a.twisting != 0) {
-    const double k = 2.25 * stiffness * std::pow(c.twisting * reff, 2), limit = c.twisting * reff * press;
+    const double k = 2.25 * stiffness * (c.twisting * reff) * (c.twisting * reff), limit = c.twisting * reff * press;
     h.twisting = shrink * h.twisting - k * a.dt * turn;
     double total = 0;
     if (std::abs(h.twisting) > limit) {
@@ -142,9 +142,14 @@ Vec3 moments(const Pair& p, Vec3 force, double stiffness, const AddOnParameters&
 
 JkrState jkr(double delta, double reff, double e_star, double w) {
   const double pi = 3.14159265358979323846;
-  // delta(a) has its minimum at a_c and rises beyond it
-  double low = std::cbrt(pi * w * reff * reff / (8 * e_star)),
-         high = low + std::sqrt(reff * std::abs(delta)) * 4 + 4 * low;
+  // delta(a) has its minimum at a_c, a_c^3 = pi w R*^2 / (8 E*), and rises beyond it: both by bisection
+  const double cube = pi * w * reff * reff / (8 * e_star);
+  double low = 0, high = 4 * (reff + cube / (reff * reff));
+  for (int k = 0; k < 200; ++k) {
+    const double a = 0.5 * (low + high);
+    (a * a * a > cube ? high : low) = a;
+  }
+  high = low + std::sqrt(reff * std::abs(delta)) * 4 + 4 * low;
   for (int k = 0; k < 200; ++k) {
     const double a = 0.5 * (low + high);
     (a * a / reff - std::sqrt(2 * pi * w * a / e_star) > delta ? high : low) = a;
