@@ -23,6 +23,9 @@ enum class Cohesion : std::uint8_t { none, sjkr };
 enum class Dashpot : std::uint8_t { centred, lagged };
 enum class Lever : std::uint8_t { contact, radius };
 enum class Integrator : std::uint8_t { velocity_verlet, leapfrog };
+/// exact: the same bits on every instruction set. fast: fused multiply-add and estimated reciprocals; the bits depend on
+/// the instruction set, and on nothing else.
+enum class Precision : std::uint8_t { exact, fast };
 enum class ListPolicy : std::uint8_t { always, paper, local, uniform };
 enum class Isa : std::uint8_t { automatic, scalar, sse2, avx2, avx512 };
 
@@ -216,6 +219,7 @@ struct Scene {
   std::int64_t steps = 0;
   Vec3 gravity;                       ///< [m/s2]
   Integrator integrator = Integrator::velocity_verlet;
+  Precision precision = Precision::exact;
   double viscous_damping = 0;         ///< background, 1/s: a = -c v
   double local_damping = 0;           ///< non-viscous (Cundall) coefficient [-]
   std::vector<Material> materials;

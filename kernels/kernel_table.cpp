@@ -9,6 +9,7 @@
 namespace talus {
 
 extern const KernelTable k_table_scalar, k_table_sse2, k_table_avx2, k_table_avx512;
+extern const KernelTable k_table_avx2_fast, k_table_avx512_fast;
 
 namespace {
 
@@ -84,7 +85,7 @@ std::vector<Isa> available_isas() {
   return v;
 }
 
-const KernelTable& select_kernels(Isa isa, std::string* why) {
+const KernelTable& select_kernels(Isa isa, std::string* why, Precision precision) {
   std::string reason = "requested";
   if (isa == Isa::automatic) {
     const char* env = std::getenv("TALUS_ISA");
@@ -101,7 +102,11 @@ const KernelTable& select_kernels(Isa isa, std::string* why) {
     throw Error(ErrorCode::usage, std::string("this processor does not support ") + isa_name(isa), "--isa",
                 std::string("best available: ") + isa_name(available_isas().front()));
   if (why != nullptr) *why = reason;
-  return table(isa);
+  if (precision == Precision::exact) return table(isa);
+  if (isa == Isa::avx512) return k_table_avx512_fast;
+  if (isa == Isa::avx2 && __builtin_cpu_supports("fma")) return k_table_avx2_fast;
+  throw Error(ErrorCode::usage, std::string("there are no fast kernels for ") + isa_name(isa) + " on this processor",
+              "precision = \"fast\"", "precision = \"exact\", or avx2 with fused multiply-add, or avx512");
 }
 
 std::vector<PairParameters> pair_parameters(const Scene& scene) {

@@ -25,8 +25,9 @@ inline int law_index(const LawInfo& law, bool friction, bool multi, bool energy)
 }
 
 /// Kernels of `isa`, or of the best one the processor has for Isa::automatic (TALUS_ISA overrides). `why` tells the
-/// reason. Error{usage} for an instruction set that the processor lacks or an unknown TALUS_ISA.
-const KernelTable& select_kernels(Isa isa, std::string* why = nullptr);
+/// reason. Error{usage} for an instruction set that the processor lacks or that has no kernels of the precision, or an
+/// unknown TALUS_ISA.
+const KernelTable& select_kernels(Isa isa, std::string* why = nullptr, Precision precision = Precision::exact);
 /// Instruction sets that can run here, best first.
 std::vector<Isa> available_isas();
 const char* isa_name(Isa isa) noexcept;

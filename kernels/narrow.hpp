@@ -147,12 +147,25 @@ template <class S>
 TALUS_INLINE typename S::B store_geometry(const typename S::B* x, typename S::B w, typename S::B ms,
                                           double (*g)[k_block + k_pad], int k) {
   using B = typename S::B;
-  const B d = S::sqrt((x[0] * x[0] + x[1] * x[1]) + x[2] * x[2]);
-  const B dw = d * w, q = S::set(1.0) / (dw * ms);
+  const B d2 = (x[0] * x[0] + x[1] * x[1]) + x[2] * x[2];
+  B d, inverse, meff, lever;
+  if constexpr (S::fast) {
+    inverse = S::inverse_sqrt(d2);
+    const B rounded = d2 * inverse;
+    d = S::select(S::lt(rounded, w), rounded, w);  // a touching pair has no negative overlap
+    meff = S::inverse(ms);
+    lever = d * S::inverse(w);
+  } else {
+    d = S::sqrt(d2);
+    const B dw = d * w, q = S::set(1.0) / (dw * ms);
+    inverse = q * (w * ms);
+    meff = q * dw;
+    lever = (d * d) * (q * ms);
+  }
   S::store(g[0] + k, d);
-  S::store(g[1] + k, q * (w * ms));
-  S::store(g[2] + k, q * dw);
-  S::store(g[3] + k, (d * d) * (q * ms));
+  S::store(g[1] + k, inverse);
+  S::store(g[2] + k, meff);
+  S::store(g[3] + k, lever);
   return d;
 }
 

@@ -25,6 +25,7 @@ TALUS_INLINE One operator/(One a, One b) { return {a.v / b.v}; }
 /// Portable implementation on arrays of one lane.
 struct Scalar {
   static constexpr int W = 1;
+  static constexpr bool fast = false;  ///< IEEE division and root; see simd_fast.hpp
   static constexpr const char* name = "scalar";
   using B = One;
   using M = bool;
@@ -182,6 +183,7 @@ struct Scalar {
 #ifdef __SSE2__
 struct Sse2 {
   static constexpr int W = 2;
+  static constexpr bool fast = false;  ///< see simd_fast.hpp
   static constexpr const char* name = "sse2";
   using B = xsimd::batch<double, xsimd::sse2>;
   using M = __m128d;
@@ -392,6 +394,7 @@ alignas(16) inline constexpr std::int8_t k_compress4[16][16] = {
 
 struct Avx2 {
   static constexpr int W = 4;
+  static constexpr bool fast = false;  ///< see simd_fast.hpp
   static constexpr const char* name = "avx2";
   using B = xsimd::batch<double, xsimd::avx2>;
   using M = __m256d;
@@ -577,6 +580,7 @@ struct Avx2 {
 #if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512DQ__)
 struct Avx512 {
   static constexpr int W = 8;
+  static constexpr bool fast = false;  ///< see simd_fast.hpp
   static constexpr const char* name = "avx512";
   using B = xsimd::batch<double, xsimd::avx512f>;
   using M = __mmask8;

@@ -445,6 +445,7 @@ Scene parse_scene(std::string_view text, std::string name, std::string directory
   scene.seed = static_cast<std::uint64_t>(root.integer("seed"));
   scene.gravity = root.vector("gravity");
   scene.integrator = root.choice<Integrator>("integrator");
+  scene.precision = root.choice<Precision>("precision");
   scene.sort_every = root.integer("sort_every");
 
   read_time(root.section("time"), scene);

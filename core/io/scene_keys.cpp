@@ -47,6 +47,9 @@ constexpr SceneKey k_keys[] = {
      "[0, 0, -9.81]"},
     {"", "integrator", T::choice, "", 0, 0, false, "velocity_verlet|leapfrog", "\"velocity_verlet\"", "",
      "time integration", "\"leapfrog\""},
+    {"", "precision", T::choice, "", 0, 0, false, "exact|fast", "\"exact\"", "",
+     "exact: same bits on every processor; fast: fused and estimated operations, bits depend on the instruction set",
+     "\"fast\""},
     {"", "sort_every", T::integer, "steps", 1, k_count, false, "", "1000", "",
      "steps between two sorts of the storage order (part of the trajectory's definition)", "500"},
 

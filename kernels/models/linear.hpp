@@ -75,6 +75,15 @@ TALUS_INLINE void tangential_velocity(const typename S::B* v, const typename S::
   t[2] = (v[2] - q * c[2]) - (s[0] * c[1] - s[1] * c[0]);
 }
 
+/// a / sqrt(b)
+template <class S>
+TALUS_INLINE typename S::B over_root(typename S::B a, typename S::B b) {
+  if constexpr (S::fast)
+    return a * S::inverse_sqrt(b);
+  else
+    return a / S::sqrt(b);
+}
+
 /// Denominators of the centred dashpot and what else depends on the coefficients alone; loop-invariant where the scene
 /// has one material pair and damping rates, because divisions and square roots are what bounds this kernel.
 template <class S>
