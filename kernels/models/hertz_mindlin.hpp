@@ -116,7 +116,7 @@ void hertz_force(Block& block, const LawArgs& args) {
       if constexpr (Energy) damped = ct * ((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]);
       if (S::any(slides)) {
         // as in the linear law: the spring carries what the dashpot leaves of the limit, at least nothing
-        const B inv_g = one / S::sqrt(g2), along = ((g[0] * t[0] + g[1] * t[1]) + g[2] * t[2]) * inv_g;
+        const B inv_g = over_root<S>(one, g2), along = ((g[0] * t[0] + g[1] * t[1]) + g[2] * t[2]) * inv_g;
         const B spring = limit / shrink + ct * along;
         const B scale = S::select(slides, limit * inv_g, one);
         const B keep = S::select(S::gt(spring, zero), spring, zero) * inv_g;

@@ -166,7 +166,7 @@ void force(Linear, Block& block, const LawArgs& args) {
       // Coulomb: scale the force; the spring carries what the dashpot leaves of it, and never pushes backwards: a spring
       // loaded against the dashpot would part with energy that nothing gave back. No branch: some of eight contacts
       // slide often enough that mispredictions cost more than the arithmetic.
-      const B inv_g = one / S::sqrt(g2), along = ((g[0] * t[0] + g[1] * t[1]) + g[2] * t[2]) * inv_g;
+      const B inv_g = over_root<S>(one, g2), along = ((g[0] * t[0] + g[1] * t[1]) + g[2] * t[2]) * inv_g;
       const B spring = limit + (gm * f.shrink_t) * along;
       const B scale = S::select(slides, limit * inv_g, one);
       const B keep = (S::select(S::gt(spring, zero), spring, zero) * inv_g) * f.back;
