@@ -2,7 +2,7 @@
 """Write the rough surface of the incline: big grains side by side on a tilted plate, as one mesh that can vibrate.
 
   python3 cases/incline/make_incline.py            # generated/rough-small.stl, -full.stl and -extreme.stl
-  python3 cases/incline/make_incline.py --only small --angle 25 --grain 0.008
+  python3 cases/incline/make_incline.py --only small --angle 28 --grain 0.008
 
 Each big grain is a faceted half ball on a plate; together they are one rigid body, as grains glued to a shaken plate are.
 Needs python3-numpy. Lengths in metres; the numbers are those of README.md.
@@ -61,7 +61,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", choices=sorted(SIZES), action="append", help="just this size (may be repeated)")
     parser.add_argument("--grain", type=float, default=0.008, help="diameter of the big grains [m] (0.008)")
-    parser.add_argument("--angle", type=float, default=25, help="slope [degrees] (25)")
+    parser.add_argument("--angle", type=float, default=32, help="slope [degrees] (32)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", default=os.path.join(HERE, "generated"))
     args = parser.parse_args()
