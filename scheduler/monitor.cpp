@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "scheduler/parallel.hpp"
 #include "scheduler/world.hpp"
 
 namespace talus {
@@ -171,8 +172,14 @@ bool finite_row(const World& w, Row i) {
 }
 
 void check_finite(World& w) {
-  for (Row i = 0; i < w.n; ++i)
-    if (!finite_row(w, i)) fail_non_finite(w, i);
+  const Blocks blocks{w.n, static_cast<int>(w.chunks.size())};
+  std::vector<Row> bad(w.chunks.size(), -1);  // lowest of each block
+  parallel(w, blocks.count, [&](int b) {
+    for (auto i = static_cast<Row>(blocks.to(b)); i-- > static_cast<Row>(blocks.from(b));)
+      if (!finite_row(w, i)) bad[static_cast<std::size_t>(b)] = i;
+  });
+  for (const Row i : bad)
+    if (i >= 0) fail_non_finite(w, i);
 }
 
 void fail_step(World& w, std::vector<ParticleId> ids, const std::string& what, const std::string& cure) {

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "core/error.hpp"
+#include "scheduler/parallel.hpp"
 #include "scheduler/world.hpp"
 
 namespace talus {
@@ -261,9 +262,11 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   for (const WallEntry& s : walls)
     if (s.row < 0 || s.row >= w.n || s.contact.wall >= w.walls.size())
       throw Error(ErrorCode::io, "a wall contact does not fit the scene", in.path());
-  distribute_contacts(w, contacts, walls);
   if (w.has.walls) w.walls.set_step(w.step, w.scene.dt);
-  rebuild_lists(w);
+  with_threads(w, [&] {
+    distribute_contacts(w, contacts, walls);
+    rebuild_lists(w);
+  });
   w.lists_valid = true;
   w.last_rebuild_step = w.step;
   ++w.counters.rebuilds_forced;

@@ -1,11 +1,12 @@
-// Sort epoch: compacts the storage and permutes it into Morton order.
+// Sort epoch: compacts the storage and permutes it into Morton order, every part over blocks or chunks in parallel.
 // Who calls it: the rebuild node, at steps fixed by the scene. Invariant: I3 (the order is a function of the
-// trajectory).
-#include <algorithm>
+// trajectory: cell key, then the row before). Apart from counters it needs no memory of its own: x0, p2, v2 and the
+// columns of the cell grid are free between two steps and are filled again by the rebuild and the step that follow.
+#include <array>
+#include <bit>
 #include <cstring>
 
-#include "scheduler/parallel.hpp"
-#include "scheduler/world.hpp"
+#include "scheduler/hand_over.hpp"
 
 namespace talus {
 
@@ -26,63 +27,197 @@ std::int32_t cell_of(double x, double inverse, std::int32_t n) {
   return c < 0 ? 0 : (c >= n ? n - 1 : c);
 }
 
-}  // namespace
+constexpr int k_digit = 8;  ///< most bits per pass of the radix sort: counters of all blocks stay in L2
 
-void sort_epoch(World& w) {
-  std::vector<ContactEntry> contacts = list_contacts(w);  // distribute_contacts() sorts by the new rows
-  std::vector<WallEntry> walls = collect_wall_states(w);
+/// Sorts the present rows by cell key, then row. Afterwards sorted_row holds the old row of each new one, cell_of_row
+/// the new row of each old one or -1.
+void sort_rows(World& w) {
+  const auto rows = static_cast<std::size_t>(w.n);
+  grow(w.sorted_row, rows + 2 * k_pad);
+  grow(w.cell_of_row, rows + 2 * k_pad);
+  double *from = w.x0.data(), *to = from + 2 * rows;  // items: the bits of a key and a row
+  const auto item = [](double* base, std::int64_t q) { return base + 2 * q; };
+  const Blocks blocks = counting_blocks(w, w.n, 1 << k_digit);
   // The key comes from a grid of the scene alone, never from the list's cells (I3).
   const double inverse = 1.0 / (2.6 * w.r_max);
-  std::vector<std::pair<std::uint64_t, Row>> keys;
-  keys.reserve(static_cast<std::size_t>(w.alive));
-  for (Row i = 0; i < w.n; ++i) {
-    if (!w.is_alive(i)) continue;
-    const double* x = w.p.data() + 4L * i;
-    std::uint64_t k = 0;
-    for (int a = 0; a < 3; ++a)
-      k |= spread21(static_cast<std::uint64_t>(cell_of(fmin2(x[a], w.size[a]), inverse, 1 << 21))) << a;
-    keys.emplace_back(k, i);
+  std::vector<std::uint64_t> used(static_cast<std::size_t>(blocks.count), 0);
+  parallel(w, blocks.count, [&](int b) {
+    std::uint64_t all = 0;
+    for (std::int64_t i = blocks.from(b); i < blocks.to(b); ++i) {
+      std::uint64_t k = 0;
+      if (w.is_alive(static_cast<Row>(i))) {
+        const double* x = w.p.data() + 4 * i;
+        for (int a = 0; a < 3; ++a)
+          k |= spread21(static_cast<std::uint64_t>(cell_of(fmin2(x[a], w.size[a]), inverse, 1 << 21))) << a;
+        all |= k;
+      } else {
+        k = ~k;  // behind all others, as soon as one bit more than theirs is looked at
+      }
+      double* e = item(from, i);
+      e[0] = std::bit_cast<double>(k);
+      e[1] = std::bit_cast<double>(static_cast<std::uint64_t>(i));
+    }
+    used[static_cast<std::size_t>(b)] = all;
+  });
+  std::uint64_t all = 0;
+  for (const std::uint64_t u : used) all |= u;
+  const int bits = std::max(1, static_cast<int>(std::bit_width(all)) + (w.alive < w.n ? 1 : 0));
+  const int passes = (bits + k_digit - 1) / k_digit, digit = (bits + passes - 1) / passes;
+  const std::uint64_t mask = (std::uint64_t{1} << digit) - 1;
+  std::vector<std::int32_t> place(static_cast<std::size_t>(blocks.count) << digit);
+  for (int pass = 0; pass < passes; ++pass) {
+    const int shift = pass * digit;
+    const auto digit_of = [&](const double* e) { return (std::bit_cast<std::uint64_t>(e[0]) >> shift) & mask; };
+    parallel(w, blocks.count, [&](int b) {
+      std::int32_t* count = place.data() + (static_cast<std::size_t>(b) << digit);
+      std::memset(count, 0, sizeof(std::int32_t) << digit);
+      for (std::int64_t q = blocks.from(b); q < blocks.to(b); ++q) ++count[digit_of(item(from, q))];
+    });
+    std::vector<std::int32_t> first = scan_blocks(place, blocks.count);
+    std::int32_t sum = 0;
+    for (std::int32_t& f : first) {
+      const std::int32_t n = f;
+      f = sum;
+      sum += n;
+    }
+    parallel(w, blocks.count, [&](int b) {
+      std::int32_t* next = place.data() + (static_cast<std::size_t>(b) << digit);
+      for (std::size_t d = 0; d <= mask; ++d) next[d] += first[d];
+      for (std::int64_t q = blocks.from(b); q < blocks.to(b); ++q) {
+        const double* e = item(from, q);
+        const std::int32_t at = next[digit_of(e)]++;
+        if (pass + 1 < passes) {
+          std::memcpy(item(to, at), e, 2 * sizeof(double));
+        } else {
+          const auto row = static_cast<std::size_t>(std::bit_cast<std::uint64_t>(e[1]));
+          w.sorted_row[static_cast<std::size_t>(at)] = static_cast<Row>(row);
+          w.cell_of_row[row] = at < w.alive ? at : -1;
+        }
+      }
+    });
+    std::swap(from, to);
   }
-  std::sort(keys.begin(), keys.end());  // ties by row: stable
-  std::vector<Row> inverse_row(static_cast<std::size_t>(w.n), -1);
-  for (std::size_t q = 0; q < keys.size(); ++q)
-    inverse_row[static_cast<std::size_t>(keys[q].second)] = static_cast<Row>(q);
-  const auto n = static_cast<Row>(keys.size());
-  const int stride = w.stride;
-  parallel(w, w.threads, [&](int b) {
-    for (std::size_t q = keys.size() * b / w.threads; q < keys.size() * (b + 1) / w.threads; ++q) {
-      const long o = keys[q].second;
+}
+
+/// Moves all columns of the rows into the new order.
+void permute_rows(World& w) {
+  const Blocks blocks = counting_blocks(w, w.alive, 1);
+  const Row* old_row = w.sorted_row.data();
+  const auto n = static_cast<std::size_t>(w.alive);
+  const auto stride = static_cast<std::size_t>(w.stride);
+  // the narrow columns pass through x0: 8 + 1 + 1 + 2 of its 32 bytes per row
+  auto* buffer = reinterpret_cast<unsigned char*>(w.x0.data());
+  struct Narrow {
+    unsigned char *column, *copy;
+    std::size_t width;
+  };
+  std::array<Narrow, 4> narrow;
+  std::size_t columns = 0;
+  const auto add = [&](auto& column) {
+    const std::size_t width = sizeof column[0];
+    narrow[columns++] = {reinterpret_cast<unsigned char*>(column.data()), buffer, width};
+    buffer += width * n;
+  };
+  add(w.id);
+  if (w.has.materials) add(w.material);
+  if (w.has.fixed) add(w.fixed);
+  if (w.has.groups) add(w.group);
+  parallel(w, blocks.count, [&](int b) {
+    const auto lo = static_cast<std::size_t>(blocks.from(b)), hi = static_cast<std::size_t>(blocks.to(b));
+    for (std::size_t q = lo; q < hi; ++q) {
+      const auto o = static_cast<std::size_t>(old_row[q]);
       std::memcpy(w.p2.data() + 4 * q, w.p.data() + 4 * o, 4 * sizeof(double));
-      std::memcpy(w.v2.data() + stride * q, w.v.data() + stride * o, static_cast<std::size_t>(stride) * sizeof(double));
+      std::memcpy(w.v2.data() + stride * q, w.v.data() + stride * o, stride * sizeof(double));
+    }
+    for (std::size_t k = 0; k < columns; ++k) {
+      const Narrow c = narrow[k];
+      const auto gather = [&](auto width) {
+        for (std::size_t q = lo; q < hi; ++q)
+          std::memcpy(c.copy + width * q, c.column + width * static_cast<std::size_t>(old_row[q]), width);
+      };
+      if (c.width == 8) {
+        gather(std::integral_constant<std::size_t, 8>{});
+      } else if (c.width == 2) {
+        gather(std::integral_constant<std::size_t, 2>{});
+      } else {
+        gather(std::integral_constant<std::size_t, 1>{});
+      }
+    }
+  });
+  parallel(w, blocks.count, [&](int b) {
+    const auto lo = static_cast<std::size_t>(blocks.from(b)), hi = static_cast<std::size_t>(blocks.to(b));
+    for (std::size_t k = 0; k < columns; ++k) {
+      const Narrow c = narrow[k];
+      std::memcpy(c.column + c.width * lo, c.copy + c.width * lo, c.width * (hi - lo));
     }
   });
   std::swap(w.p, w.p2);
   std::swap(w.v, w.v2);
-  const auto permute = [&](auto& column) {
-    auto copy = column;
-    for (std::size_t q = 0; q < keys.size(); ++q) column[q] = copy[static_cast<std::size_t>(keys[q].second)];
-  };
-  permute(w.id);
-  if (w.has.materials) permute(w.material);
-  if (w.has.fixed) permute(w.fixed);
-  if (w.has.groups) permute(w.group);
-  std::size_t kept = 0;
-  for (ContactEntry& e : contacts) {
-    e.a = inverse_row[static_cast<std::size_t>(e.a)];
-    e.b = inverse_row[static_cast<std::size_t>(e.b)];
-    if (e.a >= 0 && e.b >= 0) contacts[kept++] = e;
+}
+
+/// Every chunk looks up the wall contacts of its rows under their old row, and takes them in the order they had there.
+void take_wall_states(World& w, int chunks) {
+  const ChunkOf chunk_of(w.chunk_size);
+  parallel(w, chunks, [&](int k) {
+    Chunk& c = *w.chunks[static_cast<std::size_t>(k)];
+    c.wall_next.clear();
+    c.wall_moment_next.clear();
+    const auto lo = static_cast<Row>(static_cast<std::int64_t>(k) * w.chunk_size);
+    for (Row i = lo; i < std::min<Row>(w.n, lo + w.chunk_size); ++i) {
+      const Row o = w.sorted_row[static_cast<std::size_t>(i)];
+      const Chunk& old = *w.chunks[static_cast<std::size_t>(chunk_of(o))];
+      const std::vector<WallState>& from = old.wall_state;
+      if (from.empty() || o < from.front().row || o > from.back().row) continue;
+      auto s = std::lower_bound(from.begin(), from.end(), o, [](const WallState& t, Row row) { return t.row < row; });
+      for (; s != from.end() && s->row == o; ++s) {
+        c.wall_next.push_back(*s);
+        c.wall_next.back().row = i;
+        const auto m = old.wall_moment.begin() + (s - from.begin()) * w.has.moment_columns;
+        c.wall_moment_next.insert(c.wall_moment_next.end(), m, m + w.has.moment_columns);
+      }
+    }
+  });
+  for (const auto& c : w.chunks) {
+    std::swap(c->wall_state, c->wall_next);
+    std::swap(c->wall_moment, c->wall_moment_next);
   }
-  contacts.resize(kept);
-  kept = 0;
-  for (WallEntry& s : walls) {
-    s.row = inverse_row[static_cast<std::size_t>(s.row)];
-    if (s.row >= 0) walls[kept++] = s;
-  }
-  walls.resize(kept);
-  set_particle_capacity(w, n);
+}
+
+/// Hands the contacts of the old lists over to the chunks of the new rows; those of removed grains end here.
+void hand_over_lists(World& w, int chunks) {
+  const Row* new_row = w.cell_of_row.data();
+  const Blocks blocks = counting_blocks(w, static_cast<std::int64_t>(w.chunks.size()), chunks);
+  const auto n = static_cast<std::size_t>(w.n);
+  const std::array<std::span<double>, 3> room{std::span(w.v2.data(), static_cast<std::size_t>(w.stride) * n),
+                                              std::span(w.p2.data(), 4 * n), std::span(w.x0.data(), 4 * n)};
+  hand_over(w, w.n, blocks, room, [&](int b, const auto& emit) {
+    for (std::int64_t k = blocks.from(b); k < blocks.to(b); ++k) {
+      const Chunk& c = *w.chunks[static_cast<std::size_t>(k)];
+      const double* h[k_max_columns];
+      for (int q = 0; q < k_max_columns; ++q) h[q] = c.h[q].data();
+      // the chunk above owns the pairs with lower chunks just as well
+      std::int64_t contact = c.contact_end[0];
+      for (std::int64_t slot = c.end[0]; slot < c.end[2]; slot += 8)
+        for (unsigned m = c.mask[static_cast<std::size_t>(slot >> 3)]; m != 0; m &= m - 1, ++contact) {
+          const auto q = static_cast<std::size_t>(slot + __builtin_ctz(m));
+          const Row i = new_row[c.pi[q]], j = new_row[c.pj[q]];
+          if (i >= 0 && j >= 0) emit(i, j, h, contact);
+        }
+    }
+  });
+}
+
+}  // namespace
+
+void sort_epoch(World& w) {
+  sort_rows(w);
+  permute_rows(w);
+  set_particle_capacity(w, w.alive);  // before x0, p2 and v2 take the contacts: it writes the padding rows
+  const int chunks = std::max(1, (w.n + w.chunk_size - 1) / w.chunk_size);
+  hand_over_lists(w, chunks);
+  if (w.has.walls) take_wall_states(w, chunks);
   w.velocity_at_old_step = false;
   make_chunks(w);
-  distribute_contacts(w, contacts, walls);
   ++w.counters.sort_epochs;
 }
 

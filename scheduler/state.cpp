@@ -175,53 +175,6 @@ std::vector<WallEntry> collect_wall_states(const World& w) {
   return out;
 }
 
-void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, const std::vector<WallEntry>& walls) {
-  struct Item {
-    int section;
-    Row i, j;
-    const ContactEntry* e;
-    bool flip;
-  };
-  std::vector<std::vector<Item>> items(w.chunks.size());
-  for (const ContactEntry& e : contacts) {
-    const auto ca = static_cast<std::size_t>(w.chunk_of(e.a)), cb = static_cast<std::size_t>(w.chunk_of(e.b));
-    if (ca == cb) {
-      items[ca].push_back(e.a < e.b ? Item{1, e.a, e.b, &e, false} : Item{1, e.b, e.a, &e, true});
-    } else {
-      items[ca].push_back({ca > cb ? 0 : 2, e.a, e.b, &e, false});
-      items[cb].push_back({cb > ca ? 0 : 2, e.b, e.a, &e, true});
-    }
-  }
-  for (std::size_t k = 0; k < items.size(); ++k) {
-    auto& v = items[k];
-    std::sort(v.begin(), v.end(), [](const Item& l, const Item& r) {
-      return std::tie(l.section, l.i, l.j) < std::tie(r.section, r.i, r.j);
-    });
-    Chunk& c = *w.chunks[k];
-    c.distributed.resize(v.size() + 3);
-    for (int q = 0; q < w.has.history_columns; ++q) c.h[q].resize(v.size() + k_pad);
-    std::size_t to = 0, s = 0;
-    for (int section = 0; section < 3; ++section) {
-      for (; s < v.size() && v[s].section == section; ++s) {
-        c.distributed[to++] = pair_key(v[s].i, v[s].j);
-        for (int q = 0; q < w.has.history_columns; ++q) c.h[q][s] = v[s].flip && w.flips(q) ? -v[s].e->h[q] : v[s].e->h[q];
-      }
-      c.distributed[to++] = ~std::uint64_t{0};
-    }
-    w.chunks[k]->wall_state.clear();
-    w.chunks[k]->wall_moment.clear();
-  }
-  std::vector<WallEntry> sorted = walls;
-  std::sort(sorted.begin(), sorted.end(), [](const WallState& l, const WallState& r) {
-    return std::tie(l.row, l.contact.wall, l.contact.element) < std::tie(r.row, r.contact.wall, r.contact.element);
-  });
-  for (const WallEntry& s : sorted) {
-    Chunk& c = *w.chunks[static_cast<std::size_t>(w.chunk_of(s.row))];
-    c.wall_state.push_back(s);
-    c.wall_moment.insert(c.wall_moment.end(), s.m, s.m + w.has.moment_columns);
-  }
-}
-
 std::uint64_t state_hash(const World& w) {
   std::uint64_t sum = 0;
   for (Row i = 0; i < w.n; ++i) {

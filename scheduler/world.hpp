@@ -253,10 +253,11 @@ void remove_row(World& w, Row i);  ///< marks a row dead (I2), counts it
 std::vector<ContactEntry> list_contacts(const World& w);     ///< chunk by chunk, each once
 std::vector<ContactEntry> collect_contacts(const World& w);  ///< ascending (a, b), whatever the chunks
 std::vector<WallEntry> collect_wall_states(const World& w);
-void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, const std::vector<WallEntry>& walls);
 std::uint64_t state_hash(const World& w);
 
-// --- rebuild.cpp, cell_grid.cpp, sort_epoch.cpp ---------------------------------------------------------------------
+// --- rebuild.cpp, cell_grid.cpp, sort_epoch.cpp, hand_over.cpp ------------------------------------------------------
+/// Gives the contacts of a checkpoint to their chunks, for the rebuild that has to follow.
+void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, const std::vector<WallEntry>& walls);
 void sort_epoch(World& w);     ///< compacts and permutes rows into Morton order
 void fill_cells(World& w);     ///< skins and cell grid
 void rebuild_lists(World& w);  ///< fill_cells, lists, history
