@@ -62,9 +62,9 @@ def talus(args, size, extra):
 
 
 def record(args, size, chunk):
-    """Trace of some steps on one thread, with one sort epoch (and the rebuild in it) among them; kept if it beats the last."""
+    """Trace of some steps on one thread, with five sort epochs (and the rebuilds in them) among them; kept if it beats the last."""
     path = os.path.join(args.out, f"{args.scene}-{size}-{chunk}.trace.json")
-    epoch = args.warm + args.steps // 2
+    epoch = max(1, args.steps // 5)
     talus(args, size, ["--chunk", str(chunk), "--steps", str(args.warm + args.steps), "--set", f"sort_every={epoch}", "--trace",
                        path + ".part", "--trace-from", str(args.warm), "--trace-steps", str(args.steps)])
     if not os.path.exists(path) or read(args, path + ".part").work() < read(args, path).work():

@@ -121,7 +121,7 @@ def read_trace(path):
     for e in events:
         steps.setdefault(e["args"]["step"], []).append(e)
     chains, checks, first, joins, hops = [], [], [], [], []
-    rebuild, epoch, last_end = None, None, None
+    rebuilds, epochs, last_end = [], [], None
     for number in sorted(steps):
         chunks, serial, blocks = {}, {}, []
         for e in steps[number]:
@@ -148,22 +148,18 @@ def read_trace(path):
         span = lambda e: (e["ts"], e["ts"] + e["dur"])
         if "rebuild" in serial:
             b, e = span(serial["rebuild"])
-            new = segments([x for x in blocks if x["name"] == "rebuild"], b, e)
-            if rebuild is None or length(new) < length(rebuild):
-                rebuild = new
+            rebuilds.append(segments([x for x in blocks if x["name"] == "rebuild"], b, e))
         if "sort_epoch" in serial:
             b, e = span(serial["sort_epoch"])
             inner = [span(serial["rebuild"])] if "rebuild" in serial else []
-            new = segments([x for x in blocks if x["name"] == "sort_epoch"], b, e, inner)
-            if epoch is None or length(new) < length(epoch):
-                epoch = new
+            epochs.append(segments([x for x in blocks if x["name"] == "sort_epoch"], b, e, inner))
     if not chains:
         raise TraceError(f"{path}: no complete step")
     count = median([len(c) for c in chains])
     chains = [c for c in chains if len(c) == count]
     clip(chains)
     kinds = [k for k in CHAIN if k in chains[0][0]]
-    return Recording(facts, chains, median(checks), median(first), median(joins), median(hops), rebuild, epoch, kinds=kinds)
+    return Recording(facts, chains, median(checks), median(first), median(joins), median(hops), typical(rebuilds), typical(epochs), kinds=kinds)
 
 
 def step_times(path):
@@ -177,6 +173,18 @@ def step_times(path):
 
 def length(parts):
     return sum(sum(v) if kind == "loop" else v for kind, v in parts)
+
+
+def typical(recorded):
+    """Part by part and block by block the median over the recorded events of the same structure as the shortest one: a block that
+    was interrupted once would else be the critical path of every core count."""
+    if not recorded:
+        return None
+    shape = lambda parts: [(kind, len(v) if kind == "loop" else 0) for kind, v in parts]
+    wanted = shape(min(recorded, key=length))
+    alike = [r for r in recorded if shape(r) == wanted]
+    return [(kind, [median([r[k][1][b] for r in alike]) for b in range(blocks)] if kind == "loop" else median([r[k][1] for r in alike]))
+            for k, (kind, blocks) in enumerate(wanted)]
 
 
 def clip(chains):
