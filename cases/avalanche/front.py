@@ -69,7 +69,7 @@ def main():
     args = parser.parse_args()
     m = measure(case_files.frames(args.folder), args.passed)
     with open(os.path.join(args.folder, "front.csv"), "w", newline="", encoding="utf-8") as f:
-        table = csv.writer(f)
+        table = csv.writer(f, lineterminator="\n")
         keys = ("time", "front", "speed", "middle", "tail")
         table.writerow(keys)
         table.writerows(zip(*(m[k] for k in keys)))

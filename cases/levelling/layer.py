@@ -20,13 +20,12 @@ sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 import case_files  # noqa: E402
 
 
-def height_map(x, r, x0, x1, square):
-    """[strip along x, square along y]: highest sphere top."""
-    y0, y1 = x[:, 1].min(), x[:, 1].max()
-    nx, ny = max(1, int((x1 - x0) / square)), max(1, int((y1 - y0) / square))
+def height_map(x, r, x0, x1, width, square):
+    """[strip along x, square along y]: highest sphere top. The bed is periodic in y with the given width."""
+    nx, ny = max(1, round((x1 - x0) / square)), max(1, round(width / square))
     h = np.zeros((nx, ny))
     i = ((x[:, 0] - x0) / (x1 - x0) * nx).astype(int)
-    j = np.minimum(((x[:, 1] - y0) / max(y1 - y0, 1e-300) * ny).astype(int), ny - 1)
+    j = np.minimum((np.mod(x[:, 1] / width, 1.0) * ny).astype(int), ny - 1)
     keep = (x[:, 0] >= x0) & (i < nx)
     np.maximum.at(h, (i[keep], j[keep]), x[keep, 2] + r[keep])
     return h
@@ -36,7 +35,7 @@ def measure(x, r, x0, x1, gap, width, square):
     inside = (x[:, 0] >= x0) & (x[:, 0] < x1)
     if not inside.any():
         raise SystemExit(f"layer.py: no grain between x = {x0} and {x1}")
-    h = height_map(x, r, x0, x1, square)
+    h = height_map(x, r, x0, x1, width, square)
     volume = 4 / 3 * np.pi * (r[inside] ** 3).sum()
     edges = np.linspace(x0, x1, len(h) + 1)
     strip = [(4 / 3 * np.pi * (r[(x[:, 0] >= a) & (x[:, 0] < b)] ** 3).sum()) / ((b - a) * width * gap) for a, b in zip(edges, edges[1:])]
@@ -74,7 +73,7 @@ def main():
     *_, (time, x, r) = case_files.frames(args.folder)
     m = measure(x, r, args.x0, args.x1, args.gap, args.width, args.square)
     with open(os.path.join(args.folder, "layer.csv"), "w", newline="", encoding="utf-8") as f:
-        table = csv.writer(f)
+        table = csv.writer(f, lineterminator="\n")
         table.writerow(("x", "height", "roughness", "solid_fraction"))
         table.writerows(zip(m["x"], m["strip_height"], m["strip_roughness"], m["strip_fraction"]))
     if not args.no_picture:

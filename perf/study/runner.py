@@ -155,7 +155,7 @@ class Study:
         nodes = {n["name"]: n["seconds"] for n in s["nodes"]}
         calls = {n["name"]: n["calls"] for n in s["nodes"]}
         return {"key": key, "case": case.name, "point": point.name, "series": point.series, "value": point.value, "repeat": repeat,
-                "steps": steps, "wall_s": s["wall_s"], "nodes": nodes, "rebuilds": calls["rebuild"], "elapsed_s": elapsed,
+                "steps": steps, "wall_s": s["wall_s"], "nodes": nodes, "rebuilds": calls.get("rebuild", 0), "elapsed_s": elapsed,
                 "sort_epochs": calls.get("sort_epoch", 0), "candidates": s["candidate_pairs"], "contacts": s["contacts"],
                 "particles": s["particles"], "state_hash": s["state_hash"], "shortest_interval": s["shortest_interval"],
                 "threads": s["threads"], "isa": s["isa"], "version": s["version"], "load": os.getloadavg()[0]}

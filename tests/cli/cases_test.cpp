@@ -77,7 +77,7 @@ TEST_F(Cases, InclineShakesItsGrainsDownTheSlopeAndNowhereElse) {
       ASSERT_EQ(t.at("wall.rough.force_z")[i], 0) << "the gate holds all grains";
     }
   }
-  EXPECT_GT(t.at("plane.slope.particles").back(), 200) << "most of 400 grains are past the plane";
+  EXPECT_GT(t.at("plane.slope.particles").back(), 50) << "of 400 grains, a tenth of a second after the first";
   // The surface pushes its grains to and fro: the lateral force changes its sign about twice per cycle of 20 ms.
   int changes = 0;
   const std::vector<double>& side = t.at("wall.rough.force_y");
@@ -121,7 +121,7 @@ TEST_F(Cases, FrontOfAKnownMotionIsExact) {
         "def frames():\n"
         "    for t in range(6):\n"
         "        x = np.zeros((200, 3)); x[:, 0] = np.arange(200) + 3.0 * t; x[:, 2] = 50 - 0.1 * x[:, 0]\n"
-        "        keep = x[:, 0] < 213\n"  // the last frames lose the grain that leads: it has passed
+        "        keep = x[:, 0] < 214\n"  // the last frames lose the grain that leads: it has passed
         "        yield float(t), x[keep], None\n"
         "m = front.measure(frames(), 0.01)\n"
         "assert np.allclose(m['front'], 198 + 3.0 * np.arange(6)), m['front']\n"
@@ -133,13 +133,13 @@ TEST_F(Cases, FrontOfAKnownMotionIsExact) {
 TEST_F(Cases, RecoaterLeavesALayerNotHigherThanItsGap) {
   ASSERT_EQ(make("levelling/make_levelling.py", "small"), 0) << read("log");
   const Result r =
-      run("levelling/small.toml", {"wall.1.file=" + made("blade-small.stl"), "source.0.number=1200",
-                                   "source.0.region.upper=[0.00165,0.0003,0.0004]", "wall.1.motion.start=0.003",
-                                   "wall.1.motion.velocity=[0.3,0,0]", "time.duration=0.012",
-                                   "output.particles_every=0.012", "output.vtp=false"});
+      run("levelling/small.toml", {"wall.1.file=" + made("blade-small.stl"), "source.0.number=600",
+                                   "source.0.region.upper=[0.00165,0.0003,0.00025]", "wall.1.motion.start=0.002",
+                                   "wall.1.motion.velocity=[0.3,0,0]", "time.duration=0.009",
+                                   "output.particles_every=0.009", "output.vtp=false"});
   ASSERT_EQ(r.exit_code, 0) << r.err;
-  // The blade is at 3.05 mm: behind it, from 0.8 to 2 mm, lies what it left.
-  ASSERT_EQ(python((k_cases / "levelling/layer.py").string() + " out --from 0.0008 --to 0.002 --no-picture"), 0)
+  // The blade is at 2.45 mm: behind it, from 0.8 to 1.6 mm, lies what it left.
+  ASSERT_EQ(python((k_cases / "levelling/layer.py").string() + " out --from 0.0008 --to 0.0016 --no-picture"), 0)
       << read("log");
   const Table layer = table_of(read("out/layer.csv"));
   double fraction = 0;
@@ -169,7 +169,7 @@ TEST_F(Cases, LayerOfAKnownPackingIsExact) {
 
 // ---- grates ----
 TEST_F(Cases, MovingGratesCarryTheBedThatRestsOnStillOnes) {
-  std::vector<std::string> sets{"time.duration=4", "source.4.start=3.99", "output.particles_every=0", "time.step=4e-5"};
+  std::vector<std::string> sets{"time.duration=3", "source.4.start=2.99", "output.particles_every=0", "time.step=4e-5"};
   for (int k = 0; k < 4; ++k) sets.push_back("source." + std::to_string(k) + ".number=150");
   const auto passed = [&](const std::string& out, double amplitude) {
     std::vector<std::string> all = sets;
@@ -181,8 +181,7 @@ TEST_F(Cases, MovingGratesCarryTheBedThatRestsOnStillOnes) {
     EXPECT_EQ(r.exit_code, 0) << r.err;
     const Table t = series(out);
     for (std::size_t i = 0; i < t.at("time").size(); ++i)
-      EXPECT_EQ(t.at("particles")[i] + t.at("removed")[i], t.at("inserted")[i] == 0 ? 600 : t.at("inserted")[i])
-          << "row " << i;
+      EXPECT_EQ(t.at("particles")[i] + t.at("removed")[i], 600 + t.at("inserted")[i]) << "row " << i;
     const std::vector<double>& time = t.at("time");
     std::size_t rest = 0;
     while (time[rest] < 1) ++rest;
