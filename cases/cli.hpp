@@ -26,7 +26,7 @@ struct Options {
   std::string trace;               ///< Chrome trace file
   std::optional<std::int64_t> trace_from;  ///< first traced step; default: the first of this run
   std::int64_t trace_steps = 200;          ///< enough to see rebuilds; much more makes files that no viewer opens
-  std::optional<double> verlet_k;
+  std::optional<std::string> verlet_k;
   std::optional<std::int64_t> steps;  ///< last step of the run, not the number still to do
   std::int64_t warm = 0;              ///< first steps that wall_s and the rate leave out
   std::int64_t checkpoint_every = 0;  ///< [steps]; 0: only at a signal or a failure

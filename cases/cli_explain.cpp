@@ -76,7 +76,8 @@ int explain(const Options& options) {
   fmt::print("{}{}{}\n", scene.file, scene.title.empty() ? "" : ": ", scene.title);
   fmt::print("  particles at step 0   {}\n", grouped(simulation.particles()));
   fmt::print("  contact law           {}\n", plan.law);
-  fmt::print("  list policy           {}, K = {}\n", plan.policy, scene.list.verlet_k);
+  fmt::print("  list policy           {}, K = {}; {}\n", plan.policy,
+             scene.list.automatic ? std::string("auto") : fmt::format("{}", scene.list.verlet_k), plan.guarantee);
   fmt::print("  instruction set       {} ({})\n", plan.isa, plan.isa_why);
   fmt::print("  threads, chunks       {} threads, {} chunks of {} particles\n", plan.threads, plan.chunks, plan.chunk);
   print_nodes(plan);

@@ -38,7 +38,12 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   s.removed_mass = c.removed_mass;
   s.bytes_per_particle = plan.bytes_per_particle;
   s.peak_rss_bytes = peak_rss_bytes();
+  for (const ListRecord& r : simulation.list_series())
+    s.list_series.push_back({r.step, r.interval, r.k, r.floor, r.pairs, r.contacts});
   s.verlet_k = scene.list.verlet_k;
+  s.verlet_k_automatic = scene.list.automatic;
+  if (scene.list.automatic && !s.list_series.empty()) s.verlet_k = s.list_series.back().k;
+  s.guarantee = plan.guarantee;
   s.policy = plan.policy;
   s.law = plan.law;
   s.isa = plan.isa;

@@ -25,8 +25,8 @@ void add_scene_options(CLI::App& app, Options& o) {
   app.add_option("--set", o.set, "section.key=value: replaces any key of the scene (repeatable)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  app.add_option("--verlet-k", o.verlet_k, "K of the skin K|v|dt; never changes the trajectory")
-      ->check(CLI::NonNegativeNumber);
+  app.add_option("--verlet-k", o.verlet_k, "K of the skin K|v|dt, or auto; never changes the trajectory")
+      ->check(CLI::NonNegativeNumber | CLI::IsMember({"auto"}));
   app.add_option("--steps", o.steps, "last step of the run")->check(CLI::NonNegativeNumber);
 }
 

@@ -26,7 +26,18 @@ enum class Integrator : std::uint8_t { velocity_verlet, leapfrog };
 /// exact: the same bits on every instruction set. fast: fused multiply-add and estimated reciprocals; the bits depend on
 /// the instruction set, and on nothing else.
 enum class Precision : std::uint8_t { exact, fast };
-enum class ListPolicy : std::uint8_t { always, paper, local, uniform };
+enum class ListPolicy : std::uint8_t {
+  always,
+  paper,
+  local,
+  uniform,
+  two_largest,
+  accumulated,
+  global_velocity,
+  neighbourhood,
+  mean_subtracted,
+  fixed
+};
 enum class Isa : std::uint8_t { automatic, scalar, sse2, avx2, avx512 };
 
 /// Computational box [m]; a periodic axis has both sides periodic.
@@ -169,10 +180,12 @@ struct Event {
   Vec3 spin;                          ///< drive, set_velocity [rad/s]
 };
 
-/// List parameters; none of them changes the trajectory.
+/// List parameters; none of them changes the trajectory (but for policy fixed, which may miss contacts).
 struct ListSettings {
   ListPolicy policy = ListPolicy::local;
-  double verlet_k = 200;              ///< K in skin = K |v| dt
+  double verlet_k = 200;      ///< K in skin = K |v| dt; where the run chooses K itself, its first value
+  bool automatic = false;     ///< K and floor are chosen while the run goes (scheduler/tuner.hpp)
+  std::int64_t interval = 0;  ///< policy fixed: steps between rebuilds
   bool floor_on = true, acceleration_on = true, cap_on = true;
   double floor = 0.02;                ///< of the particle diameter
   double uniform_skin = 1.0;          ///< of the smallest radius

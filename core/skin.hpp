@@ -1,5 +1,8 @@
-// List policies: the skin of one particle. Adding a policy is one case here and its name in the scene keys.
-// Who calls it: scheduler/rebuild.cpp. Invariants: I2 (the skin is clamped first; what is stored is what is checked).
+// List policies: the skin of one particle and what keeps a list valid. Adding a policy is one case here, its name in
+// the scene keys and its guarantee in k_policies.
+// Who calls it: scheduler/cell_grid.cpp (skins), scheduler/skin_check.cpp (validity), scheduler/tuner.cpp (K, floor).
+// Invariants: I2 (the skin is clamped first; what is stored is what is checked); the largest R_NL on a periodic axis is
+// L/4, so that displacements and pairs have one minimum image.
 #pragma once
 
 #include <cmath>
@@ -10,41 +13,78 @@
 
 namespace talus {
 
+/// Name and guarantee of a list policy, in the order of ListPolicy; the names are those of the scene key.
+struct PolicyText {
+  const char* name;
+  const char* guarantee;
+};
+inline constexpr PolicyText k_policies[] = {
+    {"always", "exact: rebuilt at every step, no skin"},
+    {"paper", "exact: skin K |v| dt of each particle, its displacement is checked at every step"},
+    {"local", "exact: as paper, with a smallest skin and an acceleration term"},
+    {"uniform", "exact: one skin for all, each displacement is checked at every step"},
+    {"two_largest", "exact: one skin for all, the sum of the two largest displacements stays below two skins"},
+    {"accumulated", "exact: one skin for all, the largest travel of each step, summed, stays below it"},
+    {"global_velocity", "exact: skin K max|v| dt for all, each displacement is checked at every step"},
+    {"neighbourhood", "exact: as local with the largest speed among 64 neighbouring rows"},
+    {"mean_subtracted", "exact: as local, speeds and displacements relative to the mean velocity"},
+    {"fixed", "NOT exact: rebuilt every list.interval steps, nothing is checked in between"},
+};
+inline const PolicyText& policy_text(ListPolicy p) noexcept { return k_policies[static_cast<int>(p)]; }
+
 /// Parameters of the skin rule, fixed for one rebuild.
 struct SkinRule {
   ListPolicy policy = ListPolicy::local;
   double k_dt = 0;  ///< K * dt [s]
   bool floor_on = true, acceleration_on = true, cap_on = true;
-  double floor = 0;      ///< of the particle's diameter
-  double cell_edge = 0;  ///< nominal cell edge L_C [m] of the cap
-  double largest = 0;    ///< hard limit of R_NL [m]: L/4 on the shortest periodic axis
-  double uniform = 0;    ///< uniform skin [m]
-  double reach = 0;      ///< R_C = r + reach r^(1/3): range of adhesion (core/adhesion.hpp)
+  double floor = 0;         ///< of the particle's diameter
+  double cell_edge = 0;     ///< nominal cell edge L_C [m] of the cap
+  double largest = 0;       ///< hard limit of R_NL [m]: L/4 on the shortest periodic axis
+  double uniform = 0;       ///< skin of the policies with one skin [m]
+  double reach = 0;         ///< R_C = r + reach r^(1/3): range of adhesion (core/adhesion.hpp)
+  double frame_travel = 0;  ///< mean_subtracted: how far the moving frame may run past the walls [m]
 
   SkinRule() = default;
   /// `r_min`, `r_max`: radii of the scene [m].
   SkinRule(const Scene& s, double r_min, double r_max) {
     policy = s.list.policy;
     k_dt = s.list.verlet_k * s.dt;
-    const bool local = policy == ListPolicy::local;
-    floor_on = local && s.list.floor_on;
-    acceleration_on = local && s.list.acceleration_on;
+    const bool terms =
+        policy == ListPolicy::local || policy == ListPolicy::neighbourhood || policy == ListPolicy::mean_subtracted;
+    floor_on = terms && s.list.floor_on;
+    acceleration_on = terms && s.list.acceleration_on;
     cap_on = s.list.cap_on;
     floor = s.list.floor;
     cell_edge = (s.list.cell_factor > 0 ? s.list.cell_factor : 1.5) * 2 * r_max;
     uniform = s.list.uniform_skin * r_min;
     reach = adhesion_reach(s);
+    if (policy == ListPolicy::mean_subtracted) frame_travel = 0.5 * r_min;
     largest = 1e300;
     for (int k = 0; k < 3; ++k)
       if (s.domain.periodic(k)) largest = fmin2(largest, 0.25 * (s.domain.upper[k] - s.domain.lower[k]));
+    // their bound is one for all particles, so their skin must be
+    if (policy == ListPolicy::two_largest || policy == ListPolicy::accumulated) {
+      uniform = fmin2(uniform, largest - r_max - range(r_max));
+      if (!(uniform > 0)) uniform = 0;
+    }
   }
 
   /// R_C - r [m]: how far beyond its surface a particle can be in contact with another one; with a wall, twice that.
   double range(double r) const { return reach > 0 ? reach * det::cbrt(r) : 0; }
 
-  /// Skin [m] of a particle of radius r [m], speed v [m/s], acceleration a [m/s2]:
-  /// paper: K |v| dt, capped at L_C/2 - r (the paper's printed cap L_C loses pairs); local: with floor and
-  /// 1/2 |a| (K dt)^2, also capped at r/2; uniform: one skin; always: 0.
+  bool has_k() const noexcept {
+    return policy == ListPolicy::paper || policy == ListPolicy::local || policy == ListPolicy::global_velocity ||
+           policy == ListPolicy::neighbourhood || policy == ListPolicy::mean_subtracted;
+  }
+  /// The list is judged by scheduler/skin_check.cpp instead of the check in the integration kernel.
+  bool own_check() const noexcept {
+    return policy == ListPolicy::two_largest || policy == ListPolicy::accumulated ||
+           policy == ListPolicy::mean_subtracted || policy == ListPolicy::fixed;
+  }
+
+  /// Skin [m] of a particle of radius r [m], speed v [m/s] (whose speed: skin_check.hpp), acceleration a [m/s2]:
+  /// paper, global_velocity: K v dt, capped at L_C/2 - R_C (the paper's printed cap L_C loses pairs); local,
+  /// neighbourhood, mean_subtracted: with floor and 1/2 |a| (K dt)^2, also capped at r/2; the others: one skin.
   double operator()(double r, double v, double a) const {
     double s = 0;
     const double rc = r + range(r);
@@ -52,22 +92,32 @@ struct SkinRule {
       case ListPolicy::always:
         return 0;
       case ListPolicy::uniform:
+      case ListPolicy::two_largest:
+      case ListPolicy::accumulated:
+      case ListPolicy::fixed:
         s = uniform;
         break;
       case ListPolicy::paper:
       case ListPolicy::local:
+      case ListPolicy::global_velocity:
+      case ListPolicy::neighbourhood:
+      case ListPolicy::mean_subtracted:
         s = k_dt * v;
         if (acceleration_on) s += 0.5 * a * k_dt * k_dt;
         if (floor_on) s = fmax2(s, floor * 2 * r);
         if (cap_on) {
           s = fmin2(s, 0.5 * cell_edge - rc);
-          if (policy == ListPolicy::local) s = fmin2(s, 0.5 * r);
+          if (policy != ListPolicy::paper && policy != ListPolicy::global_velocity) s = fmin2(s, 0.5 * r);
         }
         break;
     }
     s = fmin2(s, largest - rc);
     return s > 0 ? s : 0;
   }
+
+  /// How far a particle of this skin may move before the list expires, seen from a wall at rest [m]: two_largest lets
+  /// one particle use up both skins, mean_subtracted adds the travel of the frame.
+  double to_walls(double skin) const { return policy == ListPolicy::two_largest ? 2 * skin : skin + frame_travel; }
 };
 
 }  // namespace talus

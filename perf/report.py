@@ -241,6 +241,37 @@ def rebuild_figure(summary):
     return svg(figure)
 
 
+def list_figure(summary):
+    """Skin parameters, interval and candidates per contact of the list over the run."""
+    names = summary.get("list_series_columns") or []
+    rows = np.array(summary.get("list_series") or [], dtype=float)
+    if len(rows) < 3 or "interval" not in names:
+        return None
+    column = {name: rows[:, k] for k, name in enumerate(names)}
+    step = column["step"]
+    figure, panels = plt.subplots(1, 3, figsize=(11.4, 2.7), gridspec_kw={"wspace": 0.28})
+    if column["k"].any():
+        panels[0].step(step, column["k"], where="post", color=ACCENT, lw=1.2, label="K")
+        panels[0].set_ylabel("K [steps]")
+        panels[0].set_ylim(bottom=0)
+        if column["floor"].any():
+            second = panels[0].twinx()
+            second.step(step, column["floor"], where="post", color=PALETTE[1], lw=1.2)
+            second.set_ylabel("floor / diameter", color=PALETTE[1])
+            second.set_ylim(bottom=0)
+    else:
+        panels[0].text(0.5, 0.5, "one skin for all", ha="center", va="center", transform=panels[0].transAxes)
+    panels[0].set(title="Skin parameters", xlabel="step")
+    panels[1].plot(step[1:], column["interval"][1:], ".", ms=3, alpha=0.7)
+    panels[1].set(title="Rebuild interval", xlabel="step", ylabel="steps")
+    panels[1].set_ylim(bottom=0)
+    some = column["contacts"] > 0
+    panels[2].plot(step[some], column["pairs"][some] / column["contacts"][some], lw=1.2)
+    panels[2].set(title="Candidate pairs per contact", xlabel="step", ylabel="pairs / contact")
+    panels[2].set_ylim(bottom=0)
+    return svg(figure)
+
+
 def node_figure(summary):
     nodes = [n for n in summary.get("nodes") or [] if n.get("seconds")]
     if not nodes:
@@ -396,7 +427,7 @@ def cards(s):
     card("steps per rebuild", "mean_interval", lambda v: f"{v:.4g}")
     card("shortest interval", "shortest_interval", lambda v: f"{grouped(v)} steps")
     card("list policy", "policy")
-    card("K", "verlet_k", lambda v: f"{v:g}")
+    card("K, chosen by the run: the last" if s.get("verlet_k_automatic") else "K", "verlet_k", lambda v: f"{v:.4g}")
     card("threads", "threads")
     card("instruction set", "isa")
     card("contact law", "law", small=True)
@@ -465,7 +496,8 @@ def page(run):
     if run.series:
         section("Mass flow", flow_figures(run.series))
         section("Time series", series_figures(run.series))
-    for heading, image in [("List rebuilds", rebuild_figure(s)), ("Where the time went", node_figure(s))]:
+    for heading, image in [("List rebuilds", rebuild_figure(s)), ("The list over the run", list_figure(s)),
+                           ("Where the time went", node_figure(s))]:
         if image:
             body.append(f"<h2>{heading}</h2><figure><img class=wide alt='{heading.lower()}' src='{image}'></figure>")
     files = file_table(run.folder)

@@ -49,6 +49,7 @@ void set_skins(World& w, const Chunk& c, const LevelLimits& limits, double slack
   // tests only: the check believes in more than the list was built for
   const double stored_scale = w.options.seeded_fault == 3 ? 3 : 1;
   const SkinRule rule = w.skin;
+  SkinSpeeds speed(w, c);
   const long stride = w.stride;
   for (Row i = c.lo; i < c.hi; ++i) {
     const double* x = w.p.data() + 4L * i;
@@ -65,7 +66,7 @@ void set_skins(World& w, const Chunk& c, const LevelLimits& limits, double slack
       const double d[3] = {v[0] - u[0], v[1] - u[1], v[2] - u[2]};
       a = __builtin_sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]) * inverse_dt;
     }
-    const double skin = rule(x[3], __builtin_sqrt(speed2), a);
+    const double skin = rule(x[3], speed(i, v, speed2), a);
     const double stored = stored_scale * skin;
     double* ref = w.x0.data() + 4L * i;
     ref[0] = x[0];

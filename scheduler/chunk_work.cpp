@@ -372,6 +372,7 @@ void integrate_chunk(World& w, Chunk& c) {
   grow(c.out, static_cast<std::size_t>(c.hi - c.lo));
   if (w.step < w.scene.relax.steps) {
     relax_chunk(w, c);
+    if (w.skin.own_check()) travel_chunk(w, c);
     w.scratch.give(c.scratch);
     c.scratch = nullptr;
     return;
@@ -410,6 +411,7 @@ void integrate_chunk(World& w, Chunk& c) {
   c.out_count = a.out_count;
   c.expired = a.expired;
   c.unstable_row = a.unstable_row;
+  if (w.skin.own_check()) travel_chunk(w, c);
   if (w.sampled) observe_chunk(w, c);
   w.scratch.give(c.scratch);
   c.scratch = nullptr;

@@ -352,8 +352,8 @@ Plan plan_of(const World& w) {
   if (h.cohesion) p.law += ", cohesion by contact area (sjkr)";
   p.isa = w.kernels->name;
   p.isa_why = w.isa_why;
-  const char* const names[] = {"always", "paper", "local", "uniform"};
-  p.policy = names[static_cast<int>(w.scene.list.policy)];
+  p.policy = policy_text(w.scene.list.policy).name;
+  p.guarantee = policy_text(w.scene.list.policy).guarantee;
   p.threads = w.threads;
   p.chunk = w.chunk_size;
   p.chunks = static_cast<int>(w.chunks.size());

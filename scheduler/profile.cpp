@@ -132,6 +132,12 @@ double NodeTimes::seconds_per_tick() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - zero_).count() / static_cast<double>(ticks);
 }
 
+std::uint64_t NodeTimes::ticks(Node node) const noexcept {
+  std::uint64_t sum = 0;
+  for (const ThreadTimes& t : threads_) sum += t.ticks[static_cast<int>(node)];
+  return sum;
+}
+
 Profile NodeTimes::report() const {
   const double scale = seconds_per_tick();
   Profile p;

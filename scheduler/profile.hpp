@@ -78,6 +78,8 @@ class NodeTimes {
   SerialNode serial;
   ThreadTimes* mine() noexcept;  ///< of the calling thread; null outside of a running graph
   Profile report() const;
+  /// Of a node since the last restart, summed over threads [ticks]; only from a serial node.
+  std::uint64_t ticks(Node node) const noexcept;
   /// Chrome trace JSON; `facts` are key and JSON value of what the reader needs to know. Error{io}.
   void write(const std::string& path, const std::vector<std::pair<std::string, std::string>>& facts) const;
 

@@ -135,7 +135,7 @@ void wall_candidates(World& w, Chunk& c) {
   for (Row i = c.lo; i < c.hi; ++i) {
     if (!w.is_alive(i) || (w.has.fixed && w.fixed[i] != 0)) continue;
     const std::size_t before = c.wall_element.size();
-    const double skin = __builtin_sqrt(w.x0[4L * i + 3]) / (w.options.seeded_fault == 3 ? 3 : 1);
+    const double skin = w.skin.to_walls(__builtin_sqrt(w.x0[4L * i + 3]) / (w.options.seeded_fault == 3 ? 3 : 1));
     // Walls have no images: where the row wraps before the next rebuild it meets the elements at the other end.
     const Vec3 at{w.p[4L * i], w.p[4L * i + 1], w.p[4L * i + 2]};
     const double reach = w.p[4L * i + 3] + 2 * w.skin.range(w.p[4L * i + 3]) + skin;
@@ -161,6 +161,12 @@ void wall_candidates(World& w, Chunk& c) {
     c.wall_begin.push_back(static_cast<std::int32_t>(before));
   }
   c.wall_begin.push_back(static_cast<std::int32_t>(c.wall_element.size()));
+}
+
+/// K of the walls' skins. Where K is chosen automatically it follows the particles: walls get at least the default, so
+/// that a short interval cannot make the walls' skins, and with them the next interval, shorter and shorter.
+double wall_k(const World& w) {
+  return w.tuner.on() ? fmax2(w.scene.list.verlet_k, 2 * w.tuner.k()) : w.scene.list.verlet_k;
 }
 
 }  // namespace
@@ -196,13 +202,14 @@ void for_chunks(World& w, void (*fn)(World&, Chunk&)) {
 }
 
 void rebuild_lists(World& w) {
+  prepare_skins(w);
   fill_cells(w);
   if (w.has.walls)
-    w.walls.mark(w.scene.list.verlet_k, w.scene.dt, 0.0,
-                 w.scene.list.policy == ListPolicy::always ? 0.0 : 0.5 * w.r_min);
+    w.walls.mark(wall_k(w), w.scene.dt, 0.0, w.scene.list.policy == ListPolicy::always ? 0.0 : 0.5 * w.r_min);
   for_chunks(w, [](World& world, Chunk& c) {
     PartClock parts(c);
     c.expired = 0;
+    c.travel[0] = c.travel[1] = 0;
     ListScratch* t = world.list_scratch.take();
     search_chunk(world, c, *t);
     parts.lap(RebuildPart::search);

@@ -15,6 +15,15 @@ namespace talus {
 
 struct World;
 
+/// One rebuild, for the course of the list over a run.
+struct ListRecord {
+  std::int64_t step = 0;
+  std::int64_t interval = 0;  ///< steps since the rebuild before
+  double k = 0, floor = 0;    ///< of the new list; 0 where the policy has none
+  std::int64_t pairs = 0;     ///< candidates of the new list
+  std::int64_t contacts = 0;  ///< touching pairs
+};
+
 /// Cumulative counters of a run (not part of the trajectory unless noted).
 struct Counters {
   std::int64_t steps = 0;              ///< executed by this object
@@ -72,7 +81,7 @@ struct Plan {
   std::vector<Node> nodes;
   std::vector<Array> arrays;
   double bytes_per_particle = 0;  ///< arrays that are in, lists included (measured)
-  std::string law, isa, isa_why, policy;
+  std::string law, isa, isa_why, policy, guarantee;  ///< guarantee: of the list policy
   int threads = 0, chunk = 0, chunks = 0;
   std::string graph;  ///< text picture: nodes in order with edges
 };
@@ -109,6 +118,7 @@ class Simulation {
   std::int64_t particles() const noexcept;  ///< alive
   std::uint64_t state_hash() const;         ///< order-free hash over id, x, v, w, history (DESIGN 6)
   Counters counters() const;
+  const std::vector<ListRecord>& list_series() const noexcept;  ///< at most 512 rebuilds, evenly thinned
   Energies energies() const;      ///< of the last executed step; zeros where not asked for
   double kinetic_energy() const;  ///< translation, from v(n-1/2) [J]
   Frame frame(const FrameRequest& request = {}) const;

@@ -64,6 +64,20 @@ void guarded(World& w, int chunk, F body) {
   }
 }
 
+ListRecord list_record(const World& w) {
+  ListRecord r;
+  r.step = w.step;
+  r.interval = w.step - w.last_rebuild_step;
+  r.k = w.skin.has_k() ? w.skin.k_dt / w.scene.dt : 0;
+  r.floor = w.skin.floor_on ? w.skin.floor : 0;
+  r.pairs = w.counters.pairs;
+  std::int64_t twice = 0;
+  for (const auto& c : w.chunks)
+    twice += 2 * (c->contact_end[1] - c->contact_end[0]) + c->contact_end[0] + (c->contact_end[2] - c->contact_end[1]);
+  r.contacts = twice / 2;
+  return r;
+}
+
 /// Failures and leavers of the last integration, in chunk order.
 void collect_results(World& w) {
   static const char* const axis = "xyz";
@@ -136,9 +150,7 @@ Decision check_step(World& w, std::int64_t target) {
   d.structure = insertion || event || epoch;
   w.sampled =
       w.step >= w.scene.relax.steps && (d.structure || w.step % k_sample_every == 0 || w.step == w.scene.relax.steps);
-  bool expired = w.scene.list.policy == ListPolicy::always || (w.has.moving_walls && w.walls.expired());
-  for (const auto& c : w.chunks) expired = expired || c->expired != 0;
-  d.rebuild = d.structure || !w.lists_valid || expired;
+  d.rebuild = d.structure || !w.lists_valid || lists_expired(w);
   return d;
 }
 
@@ -219,13 +231,18 @@ void sort_step(World& w) {
   if (w.step % w.scene.sort_every != 0) return;
   NodeTimer timer(w, w.serial, Node::sort_epoch);
   check_finite(w);
+  w.tuner.interval_ends(w);
   sort_epoch(w);
   rebuild_step(w, true);
 }
 
 void rebuild_step(World& w, bool forced) {
   NodeTimer timer(w, w.serial, Node::rebuild);
+  const std::uint64_t begin = __rdtsc();
+  w.tuner.interval_ends(w);
   rebuild_lists(w);
+  w.tuner.list_built(w, static_cast<double>(__rdtsc() - begin) * w.threads);
+  w.list_series.add(list_record(w));
   w.lists_valid = true;
   if (forced) {
     ++w.counters.rebuilds_forced;
@@ -243,6 +260,7 @@ void finish_step(World& w) {
   std::swap(w.p, w.p2);
   std::swap(w.v, w.v2);
   w.velocity_at_old_step = true;
+  note_travel(w);
   if (w.has.energies) {
     NodeTimer timer(w, w.serial, Node::energy);
     // fixed blocks of 1024 rows in a fixed tree: independent of chunks and threads (I3)
@@ -306,12 +324,10 @@ void run_graph(World& w, std::int64_t target) {
       Rebuild rebuild(g, serial, [&w](const Go&, Rebuild::output_ports_type& ports) {
         guarded(w, -1, [&] {
           const bool epoch = w.step % w.scene.sort_every == 0;
-          bool expired = w.scene.list.policy == ListPolicy::always || (w.has.moving_walls && w.walls.expired());
-          for (const auto& c : w.chunks) expired = expired || c->expired != 0;
           if (epoch)
             sort_step(w);
           else
-            rebuild_step(w, !expired);
+            rebuild_step(w, !lists_expired(w));
         });
         // another number of chunks needs another graph
         if (!w.failed.load() && static_cast<int>(w.chunks.size()) == w.graph_chunks) std::get<0>(ports).try_put(Go());

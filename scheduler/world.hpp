@@ -20,11 +20,32 @@
 #include "scheduler/monitor.hpp"
 #include "scheduler/profile.hpp"
 #include "scheduler/simulation.hpp"
+#include "scheduler/skin_check.hpp"
+#include "scheduler/tuner.hpp"
 
 namespace talus {
 
 inline constexpr double k_gone = 1e150;  ///< coordinate of removed rows: touches nothing, stays finite
 inline constexpr int k_energy_block = 1024;
+
+/// The last rebuilds, thinned: when full, every second entry goes and from then on only half as many are taken.
+class ListSeries {
+ public:
+  void add(const ListRecord& r) {
+    if (seen_++ % stride_ != 0) return;
+    if (records.size() == k_room) {
+      for (std::size_t k = 0; k < k_room / 2; ++k) records[k] = records[2 * k];
+      records.resize(k_room / 2);
+      stride_ *= 2;
+    }
+    records.push_back(r);
+  }
+  std::vector<ListRecord> records;
+
+ private:
+  static constexpr std::size_t k_room = 512;
+  std::int64_t seen_ = 0, stride_ = 1;
+};
 
 /// Which optional parts a scene needs (DESIGN 4, "leaving out"). Decided once from the scene.
 struct Features {
@@ -98,6 +119,7 @@ struct Chunk {
   Column<std::int32_t> out;
   std::int32_t out_count = 0;
   int expired = 0;
+  double travel[2] = {0, 0};  ///< two largest travels, policies with an own check [m]
   std::int32_t unstable_row = -1;
   std::int64_t deep_slot = -1;
   std::int64_t deep_wall = -1;  ///< wall contact deeper than allowed, or -1
@@ -191,6 +213,9 @@ struct World {
 
   // broad phase
   SkinRule skin;
+  ListFrame frame;
+  SkinTuner tuner;
+  ListSeries list_series;
   Column<float> reach;                              ///< by row: inflated reach [m]
   Column<std::int32_t> cell_of_row, place_in_cell;  ///< by row
   Column<float> sx, sy, sz, sr;                     ///< sorted by cell

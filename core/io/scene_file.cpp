@@ -90,7 +90,7 @@ std::vector<std::string> read_materials(const std::vector<SceneTable>& list, Sce
 
 /// Friction of a section: absent -> fallback, "none" -> 0.
 double read_friction(const SceneTable& r, double fallback) {
-  return r.has("friction") ? r.number_or_none("friction").value_or(0) : fallback;
+  return r.has("friction") ? r.number_or_text("friction").value_or(0) : fallback;
 }
 
 /// Coefficients of a section for what is added to the contact law: rolling, twisting, cohesion, adhesion.
@@ -399,7 +399,12 @@ ListSettings read_list(const SceneTable& r) {
   ListSettings l;
   l.policy = r.choice<ListPolicy>("policy");
   const bool paper = l.policy == ListPolicy::paper;
-  l.verlet_k = r.number("verlet_k");
+  const std::optional<double> k = r.number_or_text("verlet_k");
+  l.automatic = !k.has_value();
+  l.verlet_k = k.value_or(l.verlet_k);
+  l.interval = r.integer("interval");
+  if (l.policy == ListPolicy::fixed && l.interval < 1)
+    r.fail("interval", "policy fixed needs the number of steps between two rebuilds");
   l.floor = r.number_or("floor", paper ? 0 : l.floor);
   l.floor_on = l.floor > 0;
   l.acceleration_on = r.has("acceleration") ? r.boolean("acceleration") : !paper;

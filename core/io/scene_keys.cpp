@@ -272,16 +272,20 @@ constexpr SceneKey k_keys[] = {
     {"event", "gravity", T::vector, "m/s2", -k_big, k_big, false, "", "(required by gravity)", "action=gravity",
      "the new acceleration of gravity", "[1, 0, -9.81]"},
 
-    {"list", "policy", T::choice, "", 0, 0, false, "always|paper|local|uniform", "\"local\"", "",
-     "when and with which skins the list is rebuilt", "\"paper\""},
-    {"list", "verlet_k", T::number, "steps", 0, 1e9, false, "", "200", "", "K in skin = K |v| step", "100"},
+    {"list", "policy", T::choice, "", 0, 0, false,
+     "always|paper|local|uniform|two_largest|accumulated|global_velocity|neighbourhood|mean_subtracted|fixed",
+     "\"local\"", "", "when and with which skins the list is rebuilt; all exact but fixed", "\"paper\""},
+    {"list", "verlet_k", T::number_or_auto, "steps", 0, 1e9, false, "", "200", "",
+     "K in skin = K |v| step; \"auto\": K and floor follow the run, never its results", "\"auto\""},
+    {"list", "interval", T::integer, "steps", 0, k_count, false, "", "0", "",
+     "policy fixed: steps between two rebuilds; contacts that form in between may be missed", "20"},
     {"list", "floor", T::number, "-", 0, 10, false, "", "(0.02; policy paper: 0)", "",
-     "smallest skin / particle radius; 0 switches the floor off", "0.05"},
+     "smallest skin / particle diameter; 0 switches the floor off", "0.05"},
     {"list", "acceleration", T::boolean, "", 0, 0, false, "", "(true; policy paper: false)", "",
      "acceleration term of the skin", "false"},
     {"list", "cap", T::boolean, "", 0, 0, false, "", "true", "", "upper bound of the skin", "false"},
-    {"list", "uniform_skin", T::number, "-", 0, 100, false, "", "1", "", "skin of policy uniform / smallest radius",
-     "0.6"},
+    {"list", "uniform_skin", T::number, "-", 0, 100, false, "", "1", "",
+     "skin of the policies with one skin for all / smallest radius", "0.6"},
     {"list", "cell_factor", T::number, "-", 0, 100, false, "", "0", "",
      "cell edge / smallest admissible edge; 0: chosen by the policy", "1.25"},
 
@@ -507,6 +511,8 @@ std::string allowed_text(const SceneKey& k) {
       return "a number " + range_text(k) + unit;
     case KeyType::number_or_none:
       return "a number " + range_text(k) + unit + " or \"none\"";
+    case KeyType::number_or_auto:
+      return "a number " + range_text(k) + unit + " or \"auto\"";
     case KeyType::integer:
       return "an integer " + range_text(k) + unit;
     case KeyType::boolean:

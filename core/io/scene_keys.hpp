@@ -13,6 +13,7 @@ namespace talus {
 enum class KeyType {
   number,          ///< integer or float
   number_or_none,  ///< number or the text "none"
+  number_or_auto,  ///< number or the text "auto"
   integer,
   boolean,
   text,

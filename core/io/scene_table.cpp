@@ -355,6 +355,8 @@ class Checker {
         return in_range(k, n, false);
       case KeyType::number_or_none:
         return in_range(k, n, false) || (n.is_string() && n.as_string()->get() == "none");
+      case KeyType::number_or_auto:
+        return in_range(k, n, false) || (n.is_string() && n.as_string()->get() == "auto");
       case KeyType::integer:
         return in_range(k, n, true);
       case KeyType::boolean:
@@ -450,7 +452,7 @@ bool SceneTable::has(std::string_view name) const {
 double SceneTable::number(std::string_view name) const {
   return *node_of(as_table(table_), section_, name).value<double>();
 }
-std::optional<double> SceneTable::number_or_none(std::string_view name) const {
+std::optional<double> SceneTable::number_or_text(std::string_view name) const {
   const toml::node& n = node_of(as_table(table_), section_, name);
   return n.is_string() ? std::nullopt : n.value<double>();
 }

@@ -25,7 +25,7 @@ class SceneTable {
   double number(std::string_view name) const;
   double number_or(std::string_view name, double fallback) const { return has(name) ? number(name) : fallback; }
   /// A number, or nothing for the text "none".
-  std::optional<double> number_or_none(std::string_view name) const;
+  std::optional<double> number_or_text(std::string_view name) const;
   std::int64_t integer(std::string_view name) const;
   bool boolean(std::string_view name) const;
   std::string text(std::string_view name) const;

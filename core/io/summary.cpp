@@ -117,8 +117,16 @@ std::string summary_json(const Summary& s) {
   o.add("missed_contacts", s.missed_contacts);
   o.add("bytes_per_particle", s.bytes_per_particle);
   o.add("peak_rss_bytes", s.peak_rss_bytes);
+  std::string series;
+  for (const auto& r : s.list_series)
+    series += fmt::format("{}\n    [{}, {}, {}, {}, {}, {}]", series.empty() ? "" : ",", r.step, r.interval,
+                          Object::number(r.k), Object::number(r.floor), r.pairs, r.contacts);
+  o.raw("list_series_columns", R"(["step", "interval", "k", "floor", "pairs", "contacts"])");
+  o.raw("list_series", series.empty() ? "[]" : "[" + series + "\n  ]");
   o.add("verlet_k", s.verlet_k);
+  o.raw("verlet_k_automatic", s.verlet_k_automatic ? "true" : "false");
   o.add("policy", s.policy);
+  o.add("policy_guarantee", s.guarantee);
   o.add("law", s.law);
   o.add("isa", s.isa);
   o.add("threads", s.threads);

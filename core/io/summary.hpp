@@ -39,7 +39,16 @@ struct Summary {
   std::optional<std::int64_t> missed_contacts;  ///< only if audited
   double bytes_per_particle = 0;
   std::int64_t peak_rss_bytes = 0;
-  double verlet_k = 0;
+  /// A rebuild of the list; thinned.
+  struct Rebuild {
+    std::int64_t step = 0, interval = 0;
+    double k = 0, floor = 0;
+    std::int64_t pairs = 0, contacts = 0;
+  };
+  std::vector<Rebuild> list_series;
+  double verlet_k = 0;  ///< of the scene, or the present one where the run chooses it
+  bool verlet_k_automatic = false;
+  std::string guarantee;  ///< of the policy
   std::string policy, law, isa;
   int threads = 0, chunk = 0;
   std::uint64_t seed = 0;

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "core/error.hpp"
+#include "core/skin.hpp"
 #include "kernels/kernel_table.hpp"
 #include "tests/determinism/random_scenes.hpp"
 #include "tests/determinism/scenes.hpp"
@@ -112,6 +113,7 @@ TEST_P(Lists, AuditFindsWhatAListWithTooLargeASkinLacks) {
   for (int index = 0; index < 40; ++index) {
     Scene s = with_random_list(random_scene(index).scene, GetParam(), index);
     s.list.verlet_k = 200;
+    s.list.automatic = false;
     s.list.uniform_skin = 1;
     RunOptions options = random_options(index);
     options.seeded_fault = 3;
@@ -131,7 +133,8 @@ TEST_P(Lists, AuditFindsWhatAListWithTooLargeASkinLacks) {
   if (GetParam() == ListPolicy::always) {
     EXPECT_EQ(missed, 0) << "without a skin there is nothing to break";
   } else {
-    EXPECT_GE(caught, scenes / 10);
+    // mean_subtracted: next to walls its lists also end with the travel of the frame, mostly before a skin is used up
+    EXPECT_GE(caught, GetParam() == ListPolicy::mean_subtracted ? scenes / 20 : scenes / 10);
   }
 }
 
@@ -167,13 +170,12 @@ TEST_P(Lists, HoldWallElementsBeyondAPeriodicBorder) {
   EXPECT_GT(c.wall_contacts, 0);
 }
 
-std::string policy_name(const testing::TestParamInfo<ListPolicy>& info) {
-  static const char* const names[] = {"always", "paper", "local", "uniform"};
-  return names[static_cast<int>(info.param)];
-}
+std::string policy_name(const testing::TestParamInfo<ListPolicy>& info) { return policy_text(info.param).name; }
 
 INSTANTIATE_TEST_SUITE_P(Policies, Lists,
-                         testing::Values(ListPolicy::always, ListPolicy::paper, ListPolicy::local, ListPolicy::uniform),
+                         testing::Values(ListPolicy::always, ListPolicy::paper, ListPolicy::local, ListPolicy::uniform,
+                                         ListPolicy::two_largest, ListPolicy::accumulated, ListPolicy::global_velocity,
+                                         ListPolicy::neighbourhood, ListPolicy::mean_subtracted),
                          policy_name);
 
 }  // namespace

@@ -88,9 +88,11 @@ Made make_scene(int index) {
                             "1\nfriction = 0.5\n[[source]]\nkind = \"file\"\nfile = \"" +
                             file + "\"\n",
                         "levels", ".");
-  static constexpr ListPolicy policies[] = {ListPolicy::always, ListPolicy::paper, ListPolicy::local,
-                                            ListPolicy::uniform};
-  m.scene.list.policy = policies[index % 4];
+  static constexpr ListPolicy policies[] = {
+      ListPolicy::always,          ListPolicy::paper,         ListPolicy::local,
+      ListPolicy::uniform,         ListPolicy::two_largest,   ListPolicy::accumulated,
+      ListPolicy::global_velocity, ListPolicy::neighbourhood, ListPolicy::mean_subtracted};
+  m.scene.list.policy = policies[index % 9];
   m.scene.list.verlet_k = 1 + 20 * u.next();
   m.scene.sort_every = 7 + index % 5;
   return m;
@@ -191,7 +193,9 @@ TEST(CellLevels, SameBitsForEveryWayOfRunning) {
         sim.run(50);
         contacts += sim.counters().contacts;
       }
-      EXPECT_GE(sim.world().levels, 2);
+      if (v.policy != ListPolicy::global_velocity) {  // its one skin for all can make all reaches alike
+        EXPECT_GE(sim.world().levels, 2);
+      }
       hashes.insert(sim.state_hash());
       ++runs;
     }

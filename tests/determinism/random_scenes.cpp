@@ -222,6 +222,7 @@ Scene with_random_list(const Scene& scene, ListPolicy policy, int index) {
   Scene s = scene;
   s.list.policy = policy;
   s.list.verlet_k = k_verlet[draw.below(7)];
+  s.list.automatic = index % 5 == 0;
   s.list.cell_factor = cell[draw.below(6)];
   s.list.uniform_skin = uniform[draw.below(5)];
   if (draw.chance(0.4)) {

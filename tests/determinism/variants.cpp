@@ -7,14 +7,17 @@
 #include <set>
 #include <tuple>
 
+#include "core/skin.hpp"
 #include "kernels/kernel_table.hpp"
 
 namespace talus::determinism {
 namespace {
 
-const std::vector<ListPolicy> k_policies = {ListPolicy::always, ListPolicy::paper, ListPolicy::local,
-                                            ListPolicy::uniform};
-const std::vector<double> k_verlet = {0, 1, 10, 50, 200, 1000, 5000};
+const std::vector<ListPolicy> k_policies = {
+    ListPolicy::always,          ListPolicy::paper,         ListPolicy::local,
+    ListPolicy::uniform,         ListPolicy::two_largest,   ListPolicy::accumulated,
+    ListPolicy::global_velocity, ListPolicy::neighbourhood, ListPolicy::mean_subtracted};
+const std::vector<double> k_verlet = {0, 1, 10, 50, 200, 1000, 5000, k_auto};
 const std::vector<int> k_threads = {1, 2, 3, 8};
 const std::vector<int> k_chunks = {64, 257, 0};
 
@@ -39,16 +42,16 @@ void for_pairs(const Levels& row, F use) {
 }  // namespace
 
 std::string Variant::text() const {
-  static const char* const policies[] = {"always", "paper", "local", "uniform"};
   char line[128];
-  std::snprintf(line, sizeof line, "%s K=%g threads=%d chunk=%d isa=%s", policies[static_cast<int>(policy)], k, threads,
-                chunk, isa_name(isa));
+  std::snprintf(line, sizeof line, "%s K=%g threads=%d chunk=%d isa=%s", policy_text(policy).name, k, threads, chunk,
+                isa_name(isa));
   return line;
 }
 
 Scene Variant::apply(Scene scene) const {
   scene.list.policy = policy;
-  scene.list.verlet_k = k;
+  scene.list.automatic = k == k_auto;
+  scene.list.verlet_k = k == k_auto ? 200 : k;
   return scene;
 }
 

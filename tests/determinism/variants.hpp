@@ -10,6 +10,8 @@
 
 namespace talus::determinism {
 
+inline constexpr double k_auto = -1;  ///< level of K: chosen by the run
+
 /// One way of running a scene.
 struct Variant {
   ListPolicy policy = ListPolicy::always;

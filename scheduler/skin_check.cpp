@@ -1,0 +1,170 @@
+// See skin_check.hpp. Why each policy is exact (s: skin of a list made at step m, now step n; R: radius):
+// - The list holds all pairs with |x_i - x_j|(m) <= R_i + s_i + R_j + s_j. A pair that touches now was at most
+//   R_i + R_j + |d_i - d_j| apart, d the displacements since m, so |d_i - d_j| <= s_i + s_j for all pairs suffices.
+//   uniform, paper, local, ...: |d_i| <= s_i each.
+// - two_largest: |d_i - d_j| <= |d_i| + |d_j| <= (two largest) <= 2 s.
+// - accumulated: |d_i| <= sum over steps of |x_i(k+1) - x_i(k)| <= sum of the largest of each step <= s. Travels are
+//   taken from the stored positions, so that rounding, relaxation and wrapping are in them.
+// - mean_subtracted: with any vector D that is the same for all particles, |d_i - d_j| <= |d_i - D| + |d_j - D|, hence
+//   |d_i - D| <= s_i each suffices; D = u (n - m) dt with u the mean velocity at m, but nothing depends on what u is.
+//   Pairs see differences only: a uniform drift costs nothing, fixed particles are particles with speed |u| in this
+//   frame. Walls do not share the frame: |d_i| <= s_i + |D|, so they are listed within R_i + s_i + D_max and the list
+//   expires when |D| > D_max (SkinRule::frame_travel); without walls D is unbounded.
+//   Wrapping: x, x0 and D are known modulo the period L; d_i - D was at most s_i <= L/4 one step ago and grows by less
+//   than L/4 per step (a step of more than a radius stops the run), so its minimum image is itself.
+// - Walls: listed within R_i + SkinRule::to_walls(s_i) + wall skin, and each of the two travels is checked.
+#include "scheduler/skin_check.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "scheduler/parallel.hpp"
+#include "scheduler/world.hpp"
+
+namespace talus {
+
+namespace {
+
+constexpr Row k_neighbours = 64;  // rows lie in Morton order: 64 of them fill a compact part of space
+
+double to_image(double d, double half, double period) {
+  d = d >= half ? d - period : d;
+  return d < -half ? d + period : d;
+}
+
+}  // namespace
+
+double SkinSpeeds::operator()(Row i, const double* v, double speed2) {
+  switch (w_.skin.policy) {
+    case ListPolicy::global_velocity:
+      return w_.frame.common_speed;
+    case ListPolicy::mean_subtracted:
+      return norm(Vec3{v[0], v[1], v[2]} - w_.frame.velocity);
+    case ListPolicy::neighbourhood: {
+      if (i < block_end_) return block_;
+      block_end_ = std::min<Row>(c_.hi, (i / k_neighbours + 1) * k_neighbours);
+      double largest = 0;
+      for (Row k = i; k < block_end_; ++k) {
+        const double* u = w_.v.data() + static_cast<long>(w_.stride) * k;
+        if (w_.is_alive(k)) largest = fmax2(largest, (u[0] * u[0] + u[1] * u[1]) + u[2] * u[2]);
+      }
+      return block_ = __builtin_sqrt(largest);
+    }
+    default:
+      return __builtin_sqrt(speed2);
+  }
+}
+
+void prepare_skins(World& w) {
+  w.frame = {};
+  w.frame.built = w.step;
+  w.frame.rows = w.n;
+  const bool mean = w.skin.policy == ListPolicy::mean_subtracted;
+  if (!mean && w.skin.policy != ListPolicy::global_velocity) return;
+  struct alignas(64) Part {
+    Vec3 sum;
+    double fastest = 0;
+  };
+  std::vector<Part> parts(w.chunks.size());
+  parallel(w, static_cast<int>(w.chunks.size()), [&](int q) {
+    const Chunk& c = *w.chunks[static_cast<std::size_t>(q)];
+    Part& part = parts[static_cast<std::size_t>(q)];
+    for (Row i = c.lo; i < c.hi; ++i) {
+      if (!w.is_alive(i)) continue;
+      const double* u = w.v.data() + static_cast<long>(w.stride) * i;
+      const Vec3 v{u[0], u[1], u[2]};
+      part.sum = part.sum + v;
+      part.fastest = fmax2(part.fastest, norm2(v));
+    }
+  });
+  Part all;
+  for (const Part& p : parts) {
+    all.sum = all.sum + p.sum;
+    all.fastest = fmax2(all.fastest, p.fastest);
+  }
+  if (mean && w.alive > 0) w.frame.velocity = (1.0 / static_cast<double>(w.alive)) * all.sum;
+  w.frame.common_speed = __builtin_sqrt(all.fastest);
+}
+
+Vec3 frame_travel(const World& w, std::int64_t steps) {
+  Vec3 d = (static_cast<double>(steps) * w.scene.dt) * w.frame.velocity;
+  for (int k = 0; k < 3; ++k)
+    if (w.scene.domain.periodic(k)) d[k] = d[k] - w.size[k] * __builtin_floor(d[k] / w.size[k] + 0.5);
+  return d;
+}
+
+double travel2(const World& w, const double* x, const double* ref, const Vec3& frame) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    double d = (x[k] - ref[k]) - frame[k];
+    if (w.scene.domain.periodic(k)) {
+      const double period = w.size[k], half = 0.5 * period;
+      d = to_image(to_image(d, half, period), half, period);  // |d| < 1.5 L
+    }
+    sum += d * d;
+  }
+  return sum;
+}
+
+void travel_chunk(World& w, Chunk& c) {
+  const ListPolicy policy = w.skin.policy;
+  c.travel[0] = c.travel[1] = 0;
+  c.expired = 0;
+  if (policy == ListPolicy::fixed) return;
+  const bool mean = policy == ListPolicy::mean_subtracted;
+  const double* ref = policy == ListPolicy::accumulated ? w.p.data() : w.x0.data();
+  const Vec3 frame = mean ? frame_travel(w, w.step + 1 - w.frame.built) : Vec3{};
+  double first = 0, second = 0;
+  bool left = false;
+  for (Row i = c.lo; i < c.hi; ++i) {
+    const double* x = w.p2.data() + 4L * i;
+    if (x[0] >= 1e100) continue;  // removed
+    const double d2 = travel2(w, x, ref + 4L * i, frame);
+    if (mean) {
+      left = left || !(d2 <= w.x0[4L * i + 3]);
+    } else {
+      left = left || !(d2 < 1e200);  // not a number: as the kernel's check has it
+      second = fmax2(second, fmin2(first, d2));
+      first = fmax2(first, d2);
+    }
+  }
+  c.travel[0] = __builtin_sqrt(first);
+  c.travel[1] = __builtin_sqrt(second);
+  c.expired = left ? 1 : 0;
+}
+
+void note_travel(World& w) {
+  if (w.skin.policy != ListPolicy::accumulated) return;
+  double largest = 0;
+  for (const auto& c : w.chunks) largest = fmax2(largest, c->travel[0]);
+  w.frame.travelled += largest;
+}
+
+bool lists_expired(const World& w) {
+  if (w.skin.policy == ListPolicy::always) return true;
+  if (w.skin.policy == ListPolicy::fixed) return w.step % w.scene.list.interval == 0;
+  if (w.has.moving_walls && w.walls.expired()) return true;
+  double first = 0, second = 0;
+  for (const auto& c : w.chunks) {
+    if (c->expired != 0) return true;
+    second = fmax2(second, fmax2(c->travel[1], fmin2(first, c->travel[0])));
+    first = fmax2(first, c->travel[0]);
+  }
+  const double fault = w.options.seeded_fault == 3 ? 3 : 1;  // tests only: believes in more than was listed
+  const double skin = fault * w.skin.uniform;
+  switch (w.skin.policy) {
+    case ListPolicy::two_largest:
+      return first + second > 2 * skin;
+    case ListPolicy::accumulated:
+      return w.frame.travelled > skin;
+    case ListPolicy::mean_subtracted: {
+      if (!w.has.walls) return false;
+      const Vec3 d = (static_cast<double>(w.step - w.frame.built) * w.scene.dt) * w.frame.velocity;
+      return !(norm(d) <= fault * w.skin.frame_travel);
+    }
+    default:
+      return false;
+  }
+}
+
+}  // namespace talus

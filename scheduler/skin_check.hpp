@@ -1,0 +1,44 @@
+// Validity of the pair lists between rebuilds, for every list policy (core/skin.hpp). Who calls it: displacement_check
+// and rebuild nodes (lists_expired), integrate_chunk (travel_chunk), finish_step (note_travel), rebuild_lists
+// (prepare_skins), set_skins (SkinSpeeds). Invariants: I1, I2. Policies that the integration kernel's own check serves
+// (SkinRule::own_check() false) pay for nothing here.
+#pragma once
+
+#include "core/types.hpp"
+
+namespace talus {
+
+struct World;
+struct Chunk;
+
+/// What the lists of the last rebuild rest on, beside x0.
+struct ListFrame {
+  std::int64_t built = 0;   ///< step of the rebuild
+  Row rows = 0;             ///< rows it has seen
+  Vec3 velocity;            ///< of the frame in which displacements count; 0 but for mean_subtracted [m/s]
+  double common_speed = 0;  ///< global_velocity: largest speed [m/s]
+  double travelled = 0;     ///< accumulated: sum of the largest travels [m]
+};
+
+/// The speed that a particle's skin is made from.
+class SkinSpeeds {
+ public:
+  SkinSpeeds(const World& w, const Chunk& c) : w_(w), c_(c) {}
+  double operator()(Row i, const double* v, double speed2);
+
+ private:
+  const World& w_;
+  const Chunk& c_;
+  Row block_end_ = -1;
+  double block_ = 0;
+};
+
+void prepare_skins(World& w);                           ///< before the skins of a rebuild are set
+void travel_chunk(World& w, Chunk& c);                  ///< after the drift of a chunk, for policies with an own check
+void note_travel(World& w);                             ///< once per step, after all chunks
+bool lists_expired(const World& w);                     ///< by displacements, not by anything that forces a rebuild
+Vec3 frame_travel(const World& w, std::int64_t steps);  ///< of the frame since the rebuild, its minimum image [m]
+/// |x - x0 - frame|^2 by minimum image [m2].
+double travel2(const World& w, const double* x, const double* ref, const Vec3& frame);
+
+}  // namespace talus

@@ -1,0 +1,191 @@
+// What each list policy promises beside the bits (exact_trajectory_test, exact_lists_test): which rebuild more often
+// than which, what a uniform drift costs, what a fixed interval misses; and that automatic K moves without touching
+// the trajectory.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "core/error.hpp"
+#include "core/io/checkpoint.hpp"
+#include "core/io/scene_file.hpp"
+#include "core/skin.hpp"
+#include "tests/determinism/scenes.hpp"
+#include "tests/determinism/variants.hpp"
+
+namespace talus::determinism {
+namespace {
+
+/// Grains of 10 mm flying about in a box of 0.3 m, all with `drift` on top [m/s].
+Scene crowd(const std::string& boundary, const Vec3& drift, const std::string& list) {
+  char velocity[96];
+  std::snprintf(velocity, sizeof velocity, "[%g, %g, %g]", drift.x, drift.y, drift.z);
+  return parse_scene(R"(
+title = "crowd"
+seed = 5
+[domain]
+lower = [0, 0, 0]
+upper = [0.3, 0.3, 0.3]
+boundary = )" + boundary +
+                         R"(
+[time]
+step = 1e-5
+steps = 4000
+[[material]]
+name = "grain"
+density = 2500
+[contact]
+normal_stiffness = 2e5
+friction = 0.5
+restitution = 0.9
+[[source]]
+kind = "random"
+number = 600
+velocity = )" + velocity +
+                         R"(
+velocity_jitter = 1
+[source.region]
+lower = [0.01, 0.01, 0.01]
+upper = [0.29, 0.29, 0.29]
+[source.size]
+diameter = 0.01
+[list]
+)" + list,
+                     "crowd", ".");
+}
+
+struct Outcome {
+  Counters counters;
+  std::uint64_t hash = 0;
+};
+
+Outcome outcome(const Scene& scene, std::int64_t steps, bool audit = false) {
+  RunOptions options;
+  options.threads = 1;
+  options.chunk = 128;
+  options.audit = audit;
+  Simulation sim(scene, options);
+  sim.run(steps);
+  return {sim.counters(), sim.state_hash()};
+}
+
+constexpr const char* k_periodic = "\"periodic\"";
+
+// Sum of the two largest <= 2 x largest, and a displacement <= the travels that lead to it, so for one and the same
+// skin two_largest rebuilds least and accumulated most.
+TEST(Policies, TwoLargestRebuildsNoMoreAndAccumulatedNoLessThanUniform) {
+  const auto rebuilds = [](ListPolicy policy) {
+    Scene s = pile_on_mesh();  // it rocks: grains turn back before they have used their skins
+    s.list.policy = policy;
+    s.list.uniform_skin = 0.3;
+    return outcome(s, 3000).counters.rebuilds_skin;
+  };
+  const std::int64_t two = rebuilds(ListPolicy::two_largest), one = rebuilds(ListPolicy::uniform),
+                     sum = rebuilds(ListPolicy::accumulated);
+  std::printf("two_largest %lld, uniform %lld, accumulated %lld rebuilds\n", static_cast<long long>(two),
+              static_cast<long long>(one), static_cast<long long>(sum));
+  EXPECT_GT(two, 10);
+  EXPECT_LE(two, one);
+  EXPECT_LE(one, sum);
+  EXPECT_LT(two, sum) << "the three rules must differ";
+}
+
+// 100 m/s carry everything 0.1 diameters per step: skins from absolute speeds are full at every turn.
+TEST(Policies, MeanSubtractedDoesNotPayForAUniformDrift) {
+  const auto run = [](const char* policy, double drift) {
+    return outcome(crowd(k_periodic, {drift, 0.3 * drift, 0}, std::string("policy = \"") + policy + "\"\n"), 2000)
+        .counters;
+  };
+  const Counters rest = run("mean_subtracted", 0), moving = run("mean_subtracted", 100), local = run("local", 100);
+  EXPECT_GT(rest.rebuilds_skin, 5);
+  // not the same trajectory to the bit, so not the same count
+  EXPECT_LE(static_cast<double>(moving.rebuilds_skin), 1.2 * static_cast<double>(rest.rebuilds_skin) + 2);
+  EXPECT_LE(static_cast<double>(moving.pairs), 1.2 * static_cast<double>(rest.pairs));
+  EXPECT_GE(local.rebuilds_skin, 5 * moving.rebuilds_skin);
+}
+
+// The frame runs past walls at rest: they need their own margin, and lists expire when it is used up.
+TEST(Policies, MeanSubtractedHoldsWallContactsWhileTheCrowdFallsOnThem) {
+  const Scene scene = crowd("\"wall\"", {0, 4, -20}, "policy = \"mean_subtracted\"\n");
+  const Outcome o = outcome(scene, 1500, true);
+  EXPECT_EQ(o.counters.missed_contacts, 0);
+  EXPECT_GT(o.counters.wall_contacts, 0);
+  EXPECT_EQ(o.hash, outcome(Variant{ListPolicy::always, 0, 1, 128, Isa::automatic}.apply(scene), 1500).hash);
+}
+
+TEST(Policies, FixedIntervalMissesContactsAndTheAuditCountsThem) {
+  const auto missed = [](int interval) {
+    char list[96];
+    std::snprintf(list, sizeof list, "policy = \"fixed\"\nuniform_skin = 0.02\ninterval = %d\n", interval);
+    const Outcome o = outcome(crowd(k_periodic, {}, list), 1000, true);
+    EXPECT_EQ(o.counters.rebuilds, 1000 / interval) << "nothing but the interval may rebuild";
+    return o.counters.missed_contacts;
+  };
+  EXPECT_EQ(missed(1), 0);
+  EXPECT_GT(missed(40), 0);
+  const Scene s = crowd(k_periodic, {}, "policy = \"fixed\"\ninterval = 9\n");
+  EXPECT_NE(std::string(Simulation(s, RunOptions{}).plan().guarantee).find("NOT exact"), std::string::npos);
+  EXPECT_THROW(crowd(k_periodic, {}, "policy = \"fixed\"\n"), Error) << "the interval is for the user to choose";
+}
+
+TEST(AutomaticK, ChangesKAndFloorButNoBit) {
+  const Scene fixed = sheared_bed();
+  Scene scene = fixed;
+  scene.list.automatic = true;
+  RunOptions options;
+  options.threads = 1;
+  Simulation sim(scene, options);
+  sim.run(1500);
+  const auto& series = sim.list_series();
+  ASSERT_GT(series.size(), 8U);
+  EXPECT_EQ(series.front().k, 200);
+  EXPECT_NE(series.back().k, 200);
+  EXPECT_NE(series.back().floor, series.front().floor);
+  for (const ListRecord& r : series) {
+    EXPECT_GE(r.k, 1);
+    EXPECT_LE(r.k, 5000);
+    EXPECT_GE(r.pairs, r.contacts);
+  }
+  Simulation plain(fixed, options);
+  plain.run(1500);
+  EXPECT_EQ(sim.state_hash(), plain.state_hash());
+}
+
+TEST(AutomaticK, CheckpointHoldsItAsAHintThatIsNoState) {
+  Scene scene = sheared_bed();
+  scene.list.automatic = true;
+  RunOptions options;
+  options.threads = 1;
+  Simulation sim(scene, options);
+  sim.run(900);
+  const std::string path = temporary_file("hint.ckpt", "");
+  CheckpointWriter out;
+  sim.save(out);
+  out.commit(path);
+  const double k = sim.list_series().back().k;
+  Simulation resumed(scene, options, CheckpointReader(path));
+  resumed.run(200);
+  sim.run(200);
+  EXPECT_EQ(resumed.state_hash(), sim.state_hash());
+  ASSERT_FALSE(resumed.list_series().empty());
+  EXPECT_LE(resumed.list_series().front().k, 2 * k);
+  EXPECT_GE(resumed.list_series().front().k, 0.5 * k);
+  scene.list.automatic = false;  // a run with a fixed K takes the same checkpoint
+  Simulation other(scene, options, CheckpointReader(path));
+  other.run(200);
+  EXPECT_EQ(other.state_hash(), sim.state_hash());
+}
+
+TEST(AutomaticK, SeriesIsThinnedEvenly) {
+  Scene scene = crowd(k_periodic, {}, "policy = \"always\"\n");
+  RunOptions options;
+  options.threads = 1;
+  Simulation sim(scene, options);
+  sim.run(1500);
+  const auto& series = sim.list_series();
+  ASSERT_LE(series.size(), 512U);
+  ASSERT_GE(series.size(), 256U);
+  for (std::size_t k = 1; k < series.size(); ++k) EXPECT_EQ(series[k].step - series[k - 1].step, 4) << k;
+}
+
+}  // namespace
+}  // namespace talus::determinism
