@@ -115,7 +115,7 @@ class Scene:
         for isa in features["isas"] if not self.quick else features["isas"][:1]:
             out.append(Setting(f"isa {isa}", LISTS, q, peer={"isa": isa}, same_bits_as=base))
         for policy in features["inexact_policies"]:
-            out.append(Setting(f"{policy}", INEXACT, q, knobs={"list.policy": policy}))
+            out.append(Setting(f"{policy}", INEXACT, q, knobs={"list.policy": policy, "list.interval": 25}))
         return out
 
     q_middle = 40
