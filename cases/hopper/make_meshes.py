@@ -81,15 +81,17 @@ def wedge_family(p):
         silo += polygon((-wide, s * y, junction), (wide, s * y, junction), (wide, s * y, p.top), (-wide, s * y, p.top))
     g = half + p.gate_margin
     gate = polygon((-g, -y, 0.0), (g, -y, 0.0), (g, y, 0.0), (-g, y, 0.0))
-    # The chute is a trough that descends at 45 degrees from behind the notch, with a back wall and two cheeks.
+    # The chute is a trough that descends at 45 degrees from behind the notch, with a back wall and two cheeks. The cheeks
+    # stand up beside the silo and the back wall leaves less than a grain below the gate, or grains that bounce off the
+    # trough hop over the rim now and then.
     x0, z0 = -half - p.chute_back, p.chute_z
     x1, z1 = x0 + p.chute_length * math.sqrt(0.5), z0 - p.chute_length * math.sqrt(0.5)
     rim = -p.gate_gap
     chute = polygon((x0, -y, z0), (x1, -y, z1), (x1, y, z1), (x0, y, z0))
     chute += polygon((x0, -y, z0), (x0, y, z0), (x0, y, rim), (x0, -y, rim))
     for s in (-1, 1):
-        chute += polygon((x0, s * y, z0), (x1, s * y, z1), (x1, s * y, z1 + p.chute_cheek), (-x0, s * y, rim),
-                         (x0, s * y, rim))
+        chute += polygon((x0, s * y, z0), (x1, s * y, z1), (x1, s * y, z1 + p.chute_cheek),
+                         (-x0, s * y, p.chute_top), (x0, s * y, p.chute_top))
     return {"wedge-silo": silo, "wedge-gate": gate, "wedge-chute": chute}
 
 
@@ -119,7 +121,7 @@ def main():
     parser.add_argument("--depth", type=float, default=0.080, help="wedge: length of the slot")
     parser.add_argument("--segments", type=int, default=72, help="cone: corners of a circle")
     parser.add_argument("--gate-margin", type=float, help="how far the gate reaches past the notch")
-    parser.add_argument("--gate-gap", type=float, default=0.010, help="wedge: clearance between gate and chute")
+    parser.add_argument("--gate-gap", type=float, default=0.003, help="wedge: clearance between gate and chute")
     parser.add_argument("--chute-x", type=float, help="cone: middle of the chute's upper end")
     parser.add_argument("--chute-z", type=float, help="height of the chute's upper end")
     parser.add_argument("--chute-length", type=float)
@@ -128,6 +130,7 @@ def main():
     parser.add_argument("--collar-bottom", type=float, default=-0.085, help="cone: height of the collar's lower end")
     parser.add_argument("--collar-gap", type=float, default=0.0015, help="cone: clearance between gate and collar")
     parser.add_argument("--chute-back", type=float, default=0.035, help="wedge: back wall to the edge of the notch")
+    parser.add_argument("--chute-top", type=float, default=0.050, help="wedge: height of the cheeks beside the silo")
     parser.add_argument("--chute-cheek", type=float, default=0.060, help="wedge: height of the cheeks at the lower end")
     args = parser.parse_args()
     if args.segments < 8 or args.segments % 2:
