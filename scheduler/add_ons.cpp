@@ -13,11 +13,6 @@ namespace talus {
 
 namespace {
 
-template <class T>
-void grow(Column<T>& c, std::size_t n) {
-  if (c.size() < n) c.resize(n + n / 8 + 64);
-}
-
 /// The moment block that belongs to a block of forces; s and h are set by the caller.
 MomentBlock moment_block(const World& w, const Block& b) {
   MomentBlock m{};

@@ -143,8 +143,8 @@ void scan_cells(World& w, std::int32_t cells) {
 
 void fill_cells(World& w) {
   const auto rows = static_cast<std::size_t>(w.n) + 2 * k_pad;
-  for (auto* c : {&w.sx, &w.sy, &w.sz, &w.sr, &w.reach}) grow(*c, rows);
-  for (auto* c : {&w.sorted_row, &w.cell_of_row, &w.place_in_cell}) grow(*c, rows);
+  for (auto* c : {&w.sx, &w.sy, &w.sz, &w.sr, &w.reach}) grow_discarding(*c, rows);
+  for (auto* c : {&w.sorted_row, &w.cell_of_row, &w.place_in_cell}) grow_discarding(*c, rows);
   PartClock clock(w.serial);
   // 1. skins and reference positions; a non-finite coordinate ends the run here at the latest (I9)
   double extent = 0;
@@ -178,7 +178,7 @@ void fill_cells(World& w) {
     g.first_cell = cells;
     cells += g.n[0] * g.n[1] * g.n[2];
   }
-  grow(w.cell_start, static_cast<std::size_t>(cells) + 1);
+  grow_discarding(w.cell_start, static_cast<std::size_t>(cells) + 1);
   std::int32_t* count = w.cell_start.data();
   const int zero_blocks = std::min(w.threads, cells / 65536 + 1);
   parallel(w, zero_blocks, [&](int b) {

@@ -13,11 +13,6 @@ namespace talus {
 
 namespace {
 
-template <class T>
-void grow(Column<T>& c, std::size_t n) {
-  if (c.size() < n) c.resize(n + n / 8 + 64);
-}
-
 /// Fills the padding behind the last contact with the dead row, so that whole SIMD blocks can run.
 void pad_contacts(const World& w, Scratch& s, std::int64_t n) {
   for (int k = 0; k < k_pad; ++k) {

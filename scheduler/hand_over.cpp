@@ -14,8 +14,8 @@ void receive_contacts(World& w, int k, Row lo, Row hi, const double* entries, st
   ListScratch* t = w.list_scratch.take();
   // counting sort by section and row; the few partners of a row are then sorted by insertion
   Column<std::int32_t>& start = t->build[2];
-  grow(start, 3 * rows + 1);
-  grow(t->keys, static_cast<std::size_t>(count));
+  grow_discarding(start, 3 * rows + 1);
+  grow_discarding(t->keys, static_cast<std::size_t>(count));
   std::fill(start.begin(), start.begin() + static_cast<std::ptrdiff_t>(3 * rows + 1), 0);
   const auto bin_of = [&](std::uint64_t key) {
     const auto i = static_cast<Row>(key >> 32), j = static_cast<Row>(key & 0xffffffffU);
@@ -35,7 +35,7 @@ void receive_contacts(World& w, int k, Row lo, Row hi, const double* entries, st
     sorted[start[bin_of(key)]++] = key << 32 | static_cast<std::uint32_t>(q);
   }
   c.distributed.resize(static_cast<std::size_t>(count) + 3);
-  for (int q = 0; q < columns; ++q) grow(c.h[q], static_cast<std::size_t>(count) + k_pad);
+  for (int q = 0; q < columns; ++q) grow_discarding(c.h[q], static_cast<std::size_t>(count) + k_pad);
   std::uint64_t* keys = c.distributed.data();
   std::int32_t from = 0;
   for (int s = 0; s < 3; ++s) {

@@ -16,7 +16,7 @@ namespace talus {
 
 /// Makes room for n elements and some more; the content is lost where it has to grow.
 template <class T>
-void grow(Column<T>& c, std::size_t n) {
+void grow_discarding(Column<T>& c, std::size_t n) {
   if (c.size() < n) {
     c.clear();  // nothing to copy
     c.resize(n + n / 8 + 64);

@@ -35,11 +35,11 @@ void search_chunk(World& w, Chunk& c, ListScratch& t) {
   a.lo = a.next = c.lo;
   a.hi = c.hi;
   const auto rows = static_cast<std::size_t>(c.hi - c.lo);
-  for (int s = 0; s < 6; ++s) grow(t.build[s], rows * (s < 2 || s > 3 ? 2 : 6) + 256);
-  grow(t.hits, 1024);
+  for (int s = 0; s < 6; ++s) grow_discarding(t.build[s], rows * (s < 2 || s > 3 ? 2 : 6) + 256);
+  grow_discarding(t.hits, 1024);
   for (;;) {
-    for (auto* column : {&t.x, &t.y, &t.z, &t.r}) grow(*column, t.hits.size());
-    grow(t.tag, t.hits.size());
+    for (auto* column : {&t.x, &t.y, &t.z, &t.r}) grow_discarding(*column, t.hits.size());
+    grow_discarding(t.tag, t.hits.size());
     for (int s = 0; s < 3; ++s) {
       a.si[s] = t.build[2 * s].data();
       a.sj[s] = t.build[2 * s + 1].data();
@@ -63,7 +63,7 @@ void search_chunk(World& w, Chunk& c, ListScratch& t) {
 
 /// Touching pairs of the present list as ordered keys (i, j), each section closed by a last key.
 void collect_keys(const Chunk& c, ListScratch& t) {
-  grow(t.keys, static_cast<std::size_t>(c.contact_end[2]) + 3);
+  grow_discarding(t.keys, static_cast<std::size_t>(c.contact_end[2]) + 3);
   std::uint64_t* out = t.keys.data();
   std::int64_t slot = 0;
   for (int s = 0; s < 3; ++s) {
@@ -81,9 +81,9 @@ void collect_keys(const Chunk& c, ListScratch& t) {
 void assemble_chunk(World& w, Chunk& c, ListScratch& t, const std::uint64_t* keys) {
   std::int64_t total = 0;
   for (int s = 0; s < 3; ++s) total += (c.pairs[s] + 7) / 8 * 8;
-  grow(c.pi, static_cast<std::size_t>(total) + k_pad);
-  grow(c.pj, static_cast<std::size_t>(total) + k_pad);
-  grow(c.mask, static_cast<std::size_t>(total / 8) + k_pad);
+  grow_discarding(c.pi, static_cast<std::size_t>(total) + k_pad);
+  grow_discarding(c.pj, static_cast<std::size_t>(total) + k_pad);
+  grow_discarding(c.mask, static_cast<std::size_t>(total / 8) + k_pad);
   t.lost.clear();
   std::int64_t slot = 0, k = 0;  // k counts contacts, keys[k + s] is the present one
   for (int s = 0; s < 3; ++s) {

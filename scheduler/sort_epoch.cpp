@@ -33,8 +33,8 @@ constexpr int k_digit = 8;  ///< most bits per pass of the radix sort: counters 
 /// the new row of each old one or -1.
 void sort_rows(World& w) {
   const auto rows = static_cast<std::size_t>(w.n);
-  grow(w.sorted_row, rows + 2 * k_pad);
-  grow(w.cell_of_row, rows + 2 * k_pad);
+  grow_discarding(w.sorted_row, rows + 2 * k_pad);
+  grow_discarding(w.cell_of_row, rows + 2 * k_pad);
   double *from = w.x0.data(), *to = from + 2 * rows;  // items: the bits of a key and a row
   const auto item = [](double* base, std::int64_t q) { return base + 2 * q; };
   const Blocks blocks = counting_blocks(w, w.n, 1 << k_digit);

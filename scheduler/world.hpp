@@ -25,6 +25,12 @@
 
 namespace talus {
 
+/// Makes room for n elements and some more; keeps the content (grow_discarding of parallel.hpp does not).
+template <class T>
+void grow(Column<T>& c, std::size_t n) {
+  if (c.size() < n) c.resize(n + n / 8 + 64);
+}
+
 inline constexpr double k_gone = 1e150;  ///< coordinate of removed rows: touches nothing, stays finite
 inline constexpr int k_energy_block = 1024;
 
@@ -81,7 +87,7 @@ struct ContactEntry {
 /// Per-execution buffers of one chunk between narrow phase and integration; pooled so that they stay in cache.
 struct Scratch {
   Column<std::int32_t> ci, cj;
-  Column<double> f;                 ///< force rows of the chunk; all zero while `clean`
+  Column<double> f;  ///< force rows of the chunk; all zero while `clean`
   bool clean = false;
   Column<double> h[k_max_columns];  ///< history of the present step, swapped with the chunk's
   Column<double> m;                 ///< moment rows {M, 0} of the chunk: rolling and twisting only
@@ -109,8 +115,8 @@ struct Chunk {
   std::vector<std::int32_t> wall_element;
   std::vector<WallState> wall_state;  ///< contacts of the last step, ascending (row, wall, element)
   std::vector<WallState> wall_next;
-  std::vector<Vec3> wall_force;  ///< on the particle, parallel to wall_state
-  std::vector<Vec3> wall_point;  ///< contact points, parallel to wall_state
+  std::vector<Vec3> wall_force;                       ///< on the particle, parallel to wall_state
+  std::vector<Vec3> wall_point;                       ///< contact points, parallel to wall_state
   std::vector<double> wall_moment, wall_moment_next;  ///< rolling history: moment_columns per entry of wall_state
   std::vector<Vec3> wall_torque;                      ///< moment on the particle; rolling and twisting only
   // energies of the step, one row of {elastic, damping, friction, background} per particle of the chunk
@@ -178,9 +184,9 @@ struct World {
   int law_variant = 0;
   std::vector<PairParameters> parameters;  ///< particle pairs, and walls (same table: walls are materials)
   LawArgs law_args{};
-  std::vector<AddOnParameters> add_ons;   ///< like parameters; empty without rolling, twisting and cohesion
-  std::vector<double> cohesion;           ///< energy densities; empty without cohesion
-  std::vector<double> adhesive_range;     ///< AdhesiveArgs::range; empty without adhesion
+  std::vector<AddOnParameters> add_ons;  ///< like parameters; empty without rolling, twisting and cohesion
+  std::vector<double> cohesion;          ///< energy densities; empty without cohesion
+  std::vector<double> adhesive_range;    ///< AdhesiveArgs::range; empty without adhesion
   MomentArgs moment_args{};
   unsigned moment_flips = 0;
   int stride = 4;  ///< doubles per velocity and force row (8 with rotation)
@@ -250,9 +256,7 @@ struct World {
   Vec3 position(Row i) const;  ///< absolute [m]
   bool is_alive(Row i) const { return p[4L * i] < 1e100; }
   /// History column q changes sign when the partners of a contact are swapped.
-  bool flips(int q) const {
-    return q < has.law_columns ? q < 3 : ((moment_flips >> (q - has.law_columns)) & 1U) != 0;
-  }
+  bool flips(int q) const { return q < has.law_columns ? q < 3 : ((moment_flips >> (q - has.law_columns)) & 1U) != 0; }
 };
 
 /// Adds the time since construction or the last lap to a part of the rebuild.
@@ -273,8 +277,8 @@ class PartClock {
 // --- state.cpp: storage -------------------------------------------------------------------------------------------
 void set_particle_capacity(World& w, Row n);  ///< resizes columns to n rows (+ dead row), keeps content
 void append_particles(World& w, const NewParticles& a, bool at_start);
-void make_chunks(World& w);        ///< cuts rows into chunks; keeps existing ones in place
-void remove_row(World& w, Row i);  ///< marks a row dead (I2), counts it
+void make_chunks(World& w);                                  ///< cuts rows into chunks; keeps existing ones in place
+void remove_row(World& w, Row i);                            ///< marks a row dead (I2), counts it
 std::vector<ContactEntry> list_contacts(const World& w);     ///< chunk by chunk, each once
 std::vector<ContactEntry> collect_contacts(const World& w);  ///< ascending (a, b), whatever the chunks
 std::vector<WallEntry> collect_wall_states(const World& w);
@@ -309,7 +313,7 @@ void wall_chunk(World& w, Chunk& c);
 void integrate_chunk(World& w, Chunk& c);
 
 // --- add_ons.cpp: what laws add to the plain step -----------------------------------------------------------------
-void configure_add_ons(World& w);                             ///< features, coefficients; refuses impossible attraction
+void configure_add_ons(World& w);  ///< features, coefficients; refuses impossible attraction
 void narrow_add_ons(World& w, Chunk& c, NarrowArgs& a, std::size_t room);  ///< narrow phase with extra history or necks
 void evaluate_add_ons(const World& w, Chunk& c, std::int64_t k0, Block& b, BlockBuffers& buffers);
 /// Drops wall contacts that neither touch nor hang on a neck; returns how many of the n stay.

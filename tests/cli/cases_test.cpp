@@ -2,6 +2,7 @@
 // shortened to seconds: the generated files fit the scenes, grains go where the case says and nowhere else, the scripts
 // measure what they say, the study's statistics find a known optimum and it resumes. The full scenes are checked for
 // size only.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -14,23 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path k_cases = fs::path(TALUS_SOURCE_DIR) / "cases";
-
-using Table = std::map<std::string, std::vector<double>>;
-
-Table table_of(const std::string& csv) {
-  Table table;
-  std::istringstream lines(csv);
-  std::string line, word;
-  std::getline(lines, line);
-  std::vector<std::string> names;
-  for (std::istringstream words(line); std::getline(words, word, ',');) names.push_back(word);
-  while (std::getline(lines, line)) {
-    std::size_t column = 0;
-    for (std::istringstream words(line); std::getline(words, word, ',');)
-      table[names.at(column++)].push_back(std::stod(word));
-  }
-  return table;
-}
 
 class Cases : public Cli {
  protected:

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 namespace talus::test {
@@ -18,6 +19,21 @@ std::string content(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 }  // namespace
+
+Table table_of(const std::string& csv) {
+  Table table;
+  std::istringstream lines(csv);
+  std::string line, word;
+  std::getline(lines, line);
+  std::vector<std::string> names;
+  for (std::istringstream words(line); std::getline(words, word, ',');) names.push_back(word);
+  while (std::getline(lines, line)) {
+    std::size_t column = 0;
+    for (std::istringstream words(line); std::getline(words, word, ',');)
+      table[names.at(column++)].push_back(std::stod(word));
+  }
+  return table;
+}
 
 Process::Process(const fs::path& folder, const std::vector<std::string>& arguments) : folder_(folder) {
   std::vector<std::string> words{TALUS_BINARY};

@@ -6,6 +6,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,11 @@ struct Result {
   int exit_code = -1;  ///< -1 - signal where a signal ended it
   std::string out, err;
 };
+
+/// Columns of a time series by name.
+using Table = std::map<std::string, std::vector<double>>;
+/// Reads a CSV text whose first line names the columns and whose other entries are all numbers.
+Table table_of(const std::string& csv);
 
 /// A started `talus`; wait() must be called.
 class Process {

@@ -13,23 +13,6 @@ namespace fs = std::filesystem;
 
 const fs::path k_cases = fs::path(TALUS_SOURCE_DIR) / "cases" / "hopper";
 
-using Table = std::map<std::string, std::vector<double>>;
-
-Table table_of(const std::string& csv) {
-  Table table;
-  std::istringstream lines(csv);
-  std::string line, word;
-  std::getline(lines, line);
-  std::vector<std::string> names;
-  for (std::istringstream words(line); std::getline(words, word, ',');) names.push_back(word);
-  while (std::getline(lines, line)) {
-    std::size_t column = 0;
-    for (std::istringstream words(line); std::getline(words, word, ',');)
-      table[names.at(column++)].push_back(std::stod(word));
-  }
-  return table;
-}
-
 /// Rows in which the tray or a closed side of the domain carries a load: a grain is where no grain can be.
 int stray_rows(const Table& t) {
   int rows = 0;
