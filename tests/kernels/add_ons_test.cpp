@@ -159,10 +159,16 @@ TEST(Moments, AgreeWithTheScalarOracle) {
       const Vec3 m = reference::moments(c.pairs[s], {c.r[0][k], c.r[1][k], c.r[2][k]}, c.r[3][k], a.one, a, h);
       for (int q = 0; q < 3; ++q) {
         ASSERT_NEAR(o.m[q][s], m[q], 1e-13) << "variant " << variant << " pair " << k;
-        if (a.rolling == 2) ASSERT_NEAR(o.h[q][s], h.rolling[q], 1e-13);
+        if (a.rolling == 2) {
+          ASSERT_NEAR(o.h[q][s], h.rolling[q], 1e-13);
+        }
       }
-      if (a.twisting != 0) ASSERT_NEAR(o.h[3][s], h.twisting, 1e-13);
-      if (a.rescale != 0) ASSERT_EQ(o.h[4][s], c.r[3][k]);
+      if (a.twisting != 0) {
+        ASSERT_NEAR(o.h[3][s], h.twisting, 1e-13);
+      }
+      if (a.rescale != 0) {
+        ASSERT_EQ(o.h[4][s], c.r[3][k]);
+      }
       if (a.rolling == 2) {
         const double limit = a.one.rolling * c.reff[k];
         (norm(h.rolling) < 0.999 * limit * norm({c.r[0][k], c.r[1][k], c.r[2][k]}) ? stuck : slid) += 1;
@@ -194,9 +200,13 @@ TEST(Moments, SameBitsOnEveryInstructionSetAndOppositeForSwappedPartners) {
           for (int q = 0; q < 3; ++q) {
             ASSERT_EQ(o.m[q][k], -s.m[q][k]);
             ASSERT_EQ(o.e[q][k], s.e[q][k]);
-            if (a.rolling == 2) ASSERT_EQ(o.h[q][k], -s.h[q][k]);
+            if (a.rolling == 2) {
+              ASSERT_EQ(o.h[q][k], -s.h[q][k]);
+            }
           }
-          if (a.twisting != 0) ASSERT_EQ(o.h[3][k], s.h[3][k]) << "the same about either normal";
+          if (a.twisting != 0) {
+            ASSERT_EQ(o.h[3][k], s.h[3][k]) << "the same about either normal";
+          }
         }
       }
 }

@@ -196,13 +196,15 @@ TEST(Law, GivesTheSameBitsOnEveryInstructionSet) {
           for (const Isa isa : available_isas()) {
             const Output t = run_law(select_kernels(isa), b, n, law_info(model), friction, multi, energy, a);
             for (int q = 0; q < 8; ++q)
-              if (friction || q < 4)
+              if (friction || q < 4) {
                 ASSERT_TRUE(same_bits(o.r[q], t.r[q]))
                     << isa_name(isa) << " lane " << q << " variant " << variant << " kind " << kind;
+              }
             for (int q = 0; q < 3; ++q) ASSERT_TRUE(same_bits(o.e[q], t.e[q])) << isa_name(isa) << " energy " << q;
-            if (friction)
+            if (friction) {
               for (int q = 0; q < law_info(model).history; ++q)
                 ASSERT_TRUE(same_bits(o.h[q], t.h[q])) << isa_name(isa) << " history " << q;
+            }
           }
         }
 }

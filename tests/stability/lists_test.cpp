@@ -333,7 +333,7 @@ TEST(Stability, S37_SameBitsForThreadsChunksPoliciesAndRestart) {
     Source q;
     q.kind = Source::Kind::random;
     q.region = {{0, 0, 0}, {0.1, 0.1, 0.2}};
-    q.size = {SizeDistribution::Kind::uniform};
+    q.size.kind = SizeDistribution::Kind::uniform;
     q.size.min = 0.006;
     q.size.max = 0.012;
     q.number = 900;
