@@ -232,24 +232,49 @@ std::int64_t audit_lists(const World& w) {
       listed.emplace_back(std::min(i, j), std::max(i, j));
     }
   std::sort(listed.begin(), listed.end());
-  std::int64_t missed = 0;
+  // Sort and sweep along the longest side: complete by construction and without the cells under test; all pairs of 20k
+  // grains took a second per step.
+  int axis = 0;
+  for (int k = 1; k < 3; ++k)
+    if (w.size[k] > w.size[axis]) axis = k;
+  const auto reach_of = [&w](Row i) { return w.p[4L * i + 3] + w.skin.range(w.p[4L * i + 3]); };
+  std::vector<Row> order;
+  double largest = 0;
   for (Row i = 0; i < w.n; ++i) {
     if (!w.is_alive(i)) continue;
-    for (Row j = i + 1; j < w.n; ++j) {
-      if (!w.is_alive(j) || (w.has.fixed && w.fixed[i] != 0 && w.fixed[j] != 0)) continue;
-      const double *a = w.p.data() + 4L * i, *b = w.p.data() + 4L * j;
-      double d2 = 0;
-      for (int k = 0; k < 3; ++k) {
-        double d = a[k] - b[k];
-        if (w.scene.domain.periodic(k)) {
-          if (d > 0.5 * w.size[k]) d -= w.size[k];
-          if (d < -0.5 * w.size[k]) d += w.size[k];
-        }
-        d2 += d * d;
+    order.push_back(i);
+    largest = std::max(largest, reach_of(i));
+  }
+  const auto along = [&](Row i) { return w.p[4L * i + axis]; };
+  std::sort(order.begin(), order.end(), [&](Row i, Row j) { return along(i) < along(j); });
+  std::int64_t missed = 0;
+  const auto test_pair = [&](Row i, Row j) {
+    if (w.has.fixed && w.fixed[i] != 0 && w.fixed[j] != 0) return;
+    const double *a = w.p.data() + 4L * i, *b = w.p.data() + 4L * j;
+    double d2 = 0;
+    for (int k = 0; k < 3; ++k) {
+      double d = a[k] - b[k];
+      if (w.scene.domain.periodic(k)) {
+        if (d > 0.5 * w.size[k]) d -= w.size[k];
+        if (d < -0.5 * w.size[k]) d += w.size[k];
       }
-      const double r = a[3] + b[3] + w.skin.range(a[3]) + w.skin.range(b[3]);
-      if (d2 < r * r && !std::binary_search(listed.begin(), listed.end(), std::make_pair(i, j))) ++missed;
+      d2 += d * d;
     }
+    const double r = reach_of(i) + reach_of(j);
+    if (d2 < r * r && !std::binary_search(listed.begin(), listed.end(), std::make_pair(std::min(i, j), std::max(i, j))))
+      ++missed;
+  };
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const Row i = order[k];
+    // a hair more than the reach: the sweep may only leave out what cannot touch
+    const double end = along(i) + (reach_of(i) + largest) * (1 + 1e-9);
+    std::size_t q = k + 1;
+    for (; q < order.size() && along(order[q]) <= end; ++q) test_pair(i, order[q]);
+    if (!w.scene.domain.periodic(axis) || q < order.size()) continue;
+    for (std::size_t s = 0; s < k && along(order[s]) + w.size[axis] <= end; ++s) test_pair(i, order[s]);
+  }
+  for (Row i = 0; i < w.n; ++i) {
+    if (!w.is_alive(i)) continue;
     if (w.has.walls && !(w.has.fixed && w.fixed[i] != 0)) {
       // every element within reach now must be among the row's candidates
       std::vector<std::int32_t> all;

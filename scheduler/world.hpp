@@ -343,7 +343,7 @@ double kinetic_energy_of(const World& w);
 Frame frame_of(World& w, const FrameRequest& request);
 Plan plan_of(const World& w);
 std::size_t bytes_of(const World& w);
-std::int64_t audit_lists(const World& w);  ///< touching pairs that the list lacks, by brute force
+std::int64_t audit_lists(const World& w);  ///< touching pairs that the list lacks, by sort and sweep
 
 /// Runs fn(chunk) over all chunks in parallel, isolated from the graph (a waiting thread may steal no graph node).
 void for_chunks(World& w, void (*fn)(World&, Chunk&));
