@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "cases/cli.hpp"
+#include "paths.hpp"
 
 extern char** environ;
 

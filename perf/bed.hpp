@@ -19,6 +19,7 @@
 #include "core/error.hpp"
 #include "core/io/particle_file.hpp"
 #include "core/io/scene_file.hpp"
+#include "paths.hpp"
 #include "scheduler/simulation.hpp"
 #include "scheduler/world.hpp"
 

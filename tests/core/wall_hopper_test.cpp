@@ -8,6 +8,7 @@
 
 #include "core/io/mesh_file.hpp"
 #include "core/io/scene_file.hpp"
+#include "paths.hpp"
 #include "wall_support.hpp"
 
 namespace talus {

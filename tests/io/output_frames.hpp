@@ -12,6 +12,7 @@
 #include <string>
 
 #include "core/frame.hpp"
+#include "paths.hpp"
 
 namespace talus::test {
 

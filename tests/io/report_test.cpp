@@ -8,6 +8,7 @@
 #include "core/io/series.hpp"
 #include "core/io/summary.hpp"
 #include "core/io/vtkhdf.hpp"
+#include "paths.hpp"
 #include "tests/io/output_frames.hpp"
 
 namespace talus {
