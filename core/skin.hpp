@@ -32,6 +32,11 @@ inline constexpr PolicyText k_policies[] = {
 };
 inline const PolicyText& policy_text(ListPolicy p) noexcept { return k_policies[static_cast<int>(p)]; }
 
+/// Cap of the skins, in radii, where the run chooses K. Grains in free fall use up r/2 within some 20 steps, and then
+/// all lists have to be made again for the sake of a few. Beyond the ordinary cap they get cells of their own
+/// (scheduler/cell_grid.cpp), so that the others' search stays as it is.
+inline constexpr double k_automatic_cap = 1.5;
+
 /// Parameters of the skin rule, fixed for one rebuild.
 struct SkinRule {
   ListPolicy policy = ListPolicy::local;
@@ -39,6 +44,7 @@ struct SkinRule {
   bool floor_on = true, acceleration_on = true, cap_on = true;
   double floor = 0;         ///< of the particle's diameter
   double cell_edge = 0;     ///< nominal cell edge L_C [m] of the cap
+  double cap = 0.5;         ///< largest skin of local, neighbourhood and mean_subtracted, of the radius
   double largest = 0;       ///< hard limit of R_NL [m]: L/4 on the shortest periodic axis
   double uniform = 0;       ///< skin of the policies with one skin [m]
   double reach = 0;         ///< R_C = r + reach r^(1/3): range of adhesion (core/adhesion.hpp)
@@ -56,6 +62,10 @@ struct SkinRule {
     cap_on = s.list.cap_on;
     floor = s.list.floor;
     cell_edge = (s.list.cell_factor > 0 ? s.list.cell_factor : 1.5) * 2 * r_max;
+    if (terms && s.list.automatic && !(s.list.cell_factor > 0)) {
+      cap = k_automatic_cap;
+      cell_edge = 1e300;
+    }
     uniform = s.list.uniform_skin * r_min;
     reach = adhesion_reach(s);
     if (policy == ListPolicy::mean_subtracted) frame_travel = 0.5 * r_min;
@@ -82,9 +92,21 @@ struct SkinRule {
            policy == ListPolicy::mean_subtracted || policy == ListPolicy::fixed;
   }
 
+  /// The most that operator() gives to a radius of r [m].
+  double most(double r) const {
+    const double rc = r + range(r);
+    double s = largest - rc;
+    if (cap_on) {
+      s = fmin2(s, 0.5 * cell_edge - rc);
+      if (policy != ListPolicy::paper && policy != ListPolicy::global_velocity) s = fmin2(s, cap * r);
+    }
+    return s > 0 ? s : 0;
+  }
+
   /// Skin [m] of a particle of radius r [m], speed v [m/s] (whose speed: skin_check.hpp), acceleration a [m/s2]:
   /// paper, global_velocity: K v dt, capped at L_C/2 - R_C (the paper's printed cap L_C loses pairs); local,
   /// neighbourhood, mean_subtracted: with floor and 1/2 |a| (K dt)^2, also capped at r/2; the others: one skin.
+  /// With automatic K the cap is k_automatic_cap r alone: see there.
   double operator()(double r, double v, double a) const {
     double s = 0;
     const double rc = r + range(r);
@@ -107,7 +129,7 @@ struct SkinRule {
         if (floor_on) s = fmax2(s, floor * 2 * r);
         if (cap_on) {
           s = fmin2(s, 0.5 * cell_edge - rc);
-          if (policy != ListPolicy::paper && policy != ListPolicy::global_velocity) s = fmin2(s, 0.5 * r);
+          if (policy != ListPolicy::paper && policy != ListPolicy::global_velocity) s = fmin2(s, cap * r);
         }
         break;
     }

@@ -337,7 +337,8 @@ void WallSet::candidates(Vec3 c, double reach, std::vector<std::int32_t>& out) c
         ElementHit hit;
         if (closest_within(m.facets[f], b, padded, hit) && hit.distance <= within) out.push_back(w.first + f);
       };
-      if (within <= m.grid.reach() * (1 + 0.5e-6)) {
+      // the grid was built with the slack on top of its reach
+      if (within - w.slack <= m.grid.reach() * (1 + 0.5e-6)) {
         for (const std::int32_t f : m.grid.near(b)) test(f);
       } else {  // more than the grid was built for: slower, never incomplete
         for (std::int32_t f = 0; f < w.count; ++f) test(f);

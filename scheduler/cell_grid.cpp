@@ -25,11 +25,14 @@ struct LevelLimits {
   int levels = 1;
   float limit[k_max_levels] = {};
 
-  LevelLimits(double r_min, double r_max) {
-    if (!(r_max > k_level_from * r_min) || !(r_min > 0)) return;
-    double edge = k_level_ratio * r_min;
-    for (; levels < k_max_levels && edge < r_max; ++levels, edge *= k_level_ratio)
-      limit[levels - 1] = static_cast<float>(edge);
+  /// `far` [m], if any: rows of a larger reach get a level of their own.
+  LevelLimits(double r_min, double r_max, double far) {
+    if (r_max > k_level_from * r_min && r_min > 0) {
+      double edge = k_level_ratio * r_min;
+      for (; levels < k_max_levels - 1 && edge < r_max; ++levels, edge *= k_level_ratio)
+        limit[levels - 1] = static_cast<float>(edge);
+    }
+    if (far > 0) limit[levels++ - 1] = static_cast<float>(far);
   }
   int operator()(float reach) const {
     int l = 0;
@@ -150,7 +153,8 @@ void fill_cells(World& w) {
   double extent = 0;
   for (int k = 0; k < 3; ++k) extent = fmax2(extent, w.size[k]);
   const double slack = 8 * 5.97e-8 * extent;  // float32 rounding of a coordinate and of a period
-  const LevelLimits limits(w.r_min, w.r_max);
+  const double far = w.skin.cap > 0.5 ? 1.5 * w.r_max + w.skin.range(w.r_max) + slack : 0;
+  const LevelLimits limits(w.r_min, w.r_max, far);
   const int chunks = static_cast<int>(w.chunks.size());
   std::vector<ChunkReach> found(w.chunks.size());
   parallel(w, chunks, [&](int q) {

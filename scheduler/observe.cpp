@@ -307,9 +307,8 @@ std::size_t bytes_of(const World& w) {
   if (w.has.walls) b += w.walls.bytes();
   for (const auto& c : w.chunks) {
     b += size(c->pi) + size(c->pj) + size(c->mask) + size(c->wall_row) + size(c->wall_begin) + size(c->wall_element) +
-         size(c->wall_state) + size(c->wall_next) + size(c->wall_force) + size(c->wall_point) + size(c->distributed) + size(c->wall_moment) +
-         size(c->wall_moment_next) + size(c->wall_torque) +
-         size(c->out);
+         size(c->wall_state) + size(c->wall_next) + size(c->wall_force) + size(c->wall_point) + size(c->distributed) +
+         size(c->wall_moment) + size(c->wall_moment_next) + size(c->wall_torque) + size(c->out);
     for (int k = 0; k < k_max_columns; ++k) b += size(c->h[k]);
   }
   return b;

@@ -163,10 +163,10 @@ void wall_candidates(World& w, Chunk& c) {
   c.wall_begin.push_back(static_cast<std::int32_t>(c.wall_element.size()));
 }
 
-/// K of the walls' skins. Where K is chosen automatically it follows the particles: walls get at least the default, so
-/// that a short interval cannot make the walls' skins, and with them the next interval, shorter and shorter.
+/// K of the walls' skins. Where K is chosen automatically they last half as long again as the lists are meant to: more
+/// than the tuner allows for an interval that something cut, so that a short one cannot make the next ones shorter.
 double wall_k(const World& w) {
-  return w.tuner.on() ? fmax2(w.scene.list.verlet_k, 2 * w.tuner.k()) : w.scene.list.verlet_k;
+  return w.tuner.on() && w.tuner.wanted() > 0 ? 1.5 * w.tuner.wanted() : w.scene.list.verlet_k;
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
     if (scene.domain.periodic(k) && !(w.size[k] > 4 * (w.r_max + w.skin.range(w.r_max))))
       throw Error(ErrorCode::scene, "a periodic side must be longer than twice the largest diameter", "domain",
                   "side " + std::to_string(w.size[k]) + ", largest diameter " + std::to_string(2 * w.r_max));
-  w.tuner.prepare(w, w.scene.list.verlet_k, w.scene.list.floor);
+  w.tuner.prepare(w);
   double reach = 0;
   for (const double r : {w.r_min, w.r_max})
     reach = fmax2(reach, r + 2 * w.skin.range(r) + w.skin.to_walls(w.skin(r, 1e30, 0)));
@@ -118,11 +118,6 @@ void choose_chunk(World& w) {
 struct Meta {
   std::int64_t step, next_event, next_id, n, stride, history, materials, inserted, removed;
   double removed_mass, gravity[3], losses[3], wall_work, inserted_energy, start_energy, start_known, dt;
-};
-
-/// Where a run with automatic K has got to.
-struct ListHint {
-  double k, floor;
 };
 
 /// Contacts without the columns that the scene does not have: pairs of rows, then the columns of each contact.
@@ -270,15 +265,9 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
     if (s.row < 0 || s.row >= w.n || s.contact.wall >= w.walls.size())
       throw Error(ErrorCode::io, "a wall contact does not fit the scene", in.path());
   if (w.has.walls) w.walls.set_step(w.step, w.scene.dt);
-  if (w.tuner.on() && in.has("list_hint")) {
-    const auto hint = in.read_value<ListHint>("list_hint");
-    w.tuner.prepare(w, hint.k, hint.floor);
-    w.skin.k_dt = w.tuner.k() * w.scene.dt;
-    w.skin.floor = w.tuner.floor();
-  }
   with_threads(w, [&] {
     distribute_contacts(w, contacts, walls);
-    rebuild_lists(w);
+    rebuild_tuned(w);
   });
   w.lists_valid = true;
   w.last_rebuild_step = w.step;
@@ -381,8 +370,7 @@ void Simulation::save(CheckpointWriter& out) const {
   if (w.has.groups) out.add_array("group", w.group.data(), n);
   write_contacts(w, out);
   out.add("insertion", w.insertion->save());
-  // no state: a resumed run may begin with any K; this one saves it the first few intervals
-  if (w.tuner.on()) out.add_value("list_hint", ListHint{w.tuner.k(), w.tuner.floor()});
+  // Not the K that a run has chosen: it follows measured times, and these bytes are the same however a run is done.
 }
 
 }  // namespace talus

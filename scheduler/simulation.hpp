@@ -35,10 +35,10 @@ struct Counters {
   std::int64_t contacts = 0;           ///< touching pairs at the last step (each once)
   std::int64_t wall_contacts = 0;
   std::int64_t sort_epochs = 0;
-  std::int64_t inserted = 0, removed = 0;                 ///< cumulative over the trajectory
-  double removed_mass = 0;                                ///< [kg], cumulative over the trajectory
-  std::int64_t missed_contacts = 0;        ///< audit only
-  double border_contact_share = 0;                        ///< contacts across chunk borders / contacts
+  std::int64_t inserted = 0, removed = 0;    ///< cumulative over the trajectory
+  double removed_mass = 0;                   ///< [kg], cumulative over the trajectory
+  std::int64_t missed_contacts = 0;          ///< audit only
+  double border_contact_share = 0;           ///< contacts across chunk borders / contacts
   std::vector<std::int64_t> interval_steps;  ///< step of each of the last rebuilds (up to 4096), for the report
 };
 
@@ -61,10 +61,10 @@ struct Profile {
   std::vector<Thread> threads;
   double wall = 0;  ///< of run() [s]
   std::int64_t steps = 0;
-  std::int64_t tasks = 0;            ///< node executions on chunks
-  double hop = 0;                    ///< mean time from a chunk's node to its next one on the same thread [s]
+  std::int64_t tasks = 0;  ///< node executions on chunks
+  double hop = 0;          ///< mean time from a chunk's node to its next one on the same thread [s]
   std::int64_t clock_reads = 0;
-  double clock_read = 0;             ///< cost of one, measured now [s]
+  double clock_read = 0;  ///< cost of one, measured now [s]
 };
 
 /// What the step consists of; printed by `talus explain`.
@@ -80,7 +80,7 @@ struct Plan {
   };
   std::vector<Node> nodes;
   std::vector<Array> arrays;
-  double bytes_per_particle = 0;  ///< arrays that are in, lists included (measured)
+  double bytes_per_particle = 0;                     ///< arrays that are in, lists included (measured)
   std::string law, isa, isa_why, policy, guarantee;  ///< guarantee: of the list policy
   int threads = 0, chunk = 0, chunks = 0;
   std::string graph;  ///< text picture: nodes in order with edges
@@ -88,10 +88,10 @@ struct Plan {
 
 /// Something that the run-time monitor has seen: one entry per kind, in order of appearance.
 struct Warning {
-  std::string kind;             ///< overlap, travel, stiffness, energy
-  std::string text;             ///< what, who, when and the cure, of the first time
+  std::string kind;  ///< overlap, travel, stiffness, energy
+  std::string text;  ///< what, who, when and the cure, of the first time
   std::int64_t first_step = 0;
-  std::int64_t count = 0;       ///< pairs, particles or balances above the level, summed over the sampled steps
+  std::int64_t count = 0;  ///< pairs, particles or balances above the level, summed over the sampled steps
   double worst = 0, level = 0;
 };
 
@@ -123,12 +123,12 @@ class Simulation {
   double kinetic_energy() const;  ///< translation, from v(n-1/2) [J]
   Frame frame(const FrameRequest& request = {}) const;
   Plan plan() const;
-  const std::vector<Warning>& warnings() const noexcept;      ///< of this object's steps
-  const std::vector<ParticleId>& culprits() const noexcept;   ///< particles that the failure of run() names
-  Profile profile() const;                          ///< always recorded
-  void restart_profile();                           ///< from now on (benchmarks: after their warm steps)
+  const std::vector<Warning>& warnings() const noexcept;          ///< of this object's steps
+  const std::vector<ParticleId>& culprits() const noexcept;       ///< particles that the failure of run() names
+  Profile profile() const;                                        ///< always recorded
+  void restart_profile();                                         ///< from now on (benchmarks: after their warm steps)
   void start_trace(std::int64_t first_step, std::int64_t steps);  ///< records the executions of nodes in these steps
-  void write_trace(const std::string& path) const;  ///< Chrome trace JSON. Error{io}
+  void write_trace(const std::string& path) const;                ///< Chrome trace JSON. Error{io}
   void save(CheckpointWriter& out) const;
   std::size_t bytes() const;  ///< memory of all arrays
   World& world() noexcept;    ///< everything behind this object, for the microbenchmarks (scheduler/world.hpp)

@@ -238,10 +238,7 @@ void sort_step(World& w) {
 
 void rebuild_step(World& w, bool forced) {
   NodeTimer timer(w, w.serial, Node::rebuild);
-  const std::uint64_t begin = __rdtsc();
-  w.tuner.interval_ends(w);
-  rebuild_lists(w);
-  w.tuner.list_built(w, static_cast<double>(__rdtsc() - begin) * w.threads);
+  rebuild_tuned(w);
   w.list_series.add(list_record(w));
   w.lists_valid = true;
   if (forced) {

@@ -13,10 +13,15 @@ namespace talus {
 
 namespace {
 
+constexpr double k_first[2] = {20, 300};  // of the first guess
 constexpr double k_least_k = 1, k_most_k = 5000, k_least_floor = 1e-4, k_most_floor = 0.25;
-constexpr double k_weight = 0.5;       // of one interval in the moving average of ln K and ln floor
-constexpr double k_most_change = 2;    // of K or floor in one rebuild
+constexpr double k_weight = 0.5;     // of one interval in the moving average of ln K and ln floor
+constexpr double k_most_change = 2;  // of K or floor in one rebuild
+// Share of the run time that rebuilds should not exceed, and how much longer than cheapest lists may last for it: the
+// optimum is flat, 1.25 costs (1.25 + 1 / 1.25) / 2 - 1 = 2.5 % of the lists' own cost.
+constexpr double k_share = 0.047, k_longer = 1.25;
 constexpr std::int64_t k_sample = 16;  // every k_sample-th group of 8 slots is looked at
+constexpr int k_wall_sample = 16;      // and every k_wall_sample-th row near a wall
 
 // Classes of skins, in diameters: two per octave of the square, from 2^-28 (6e-5 d) on.
 constexpr int k_first_class = (127 - 28) * 2, k_classes = 2 * 30;
@@ -48,7 +53,7 @@ struct SkinTuner::Use {
   double rows[k_classes] = {}, skin[k_classes] = {};       ///< number, sum of skins
   double travel2[k_classes] = {}, ratio2[k_classes] = {};  ///< largest; of (travel / skin)^2
   double floor_rows = 0, floor_travel2 = 0, floor_ratio2 = 0;
-  double cap_ratio2 = 0;  ///< among rows whose skin is capped: a larger K does not help them
+  double cap_rows = 0, cap_skin = 0, cap_ratio2 = 0;  ///< rows whose skin is capped: no K changes it
 
   void add(const Use& o) {
     for (int k = 0; k < k_classes; ++k) {
@@ -60,22 +65,50 @@ struct SkinTuner::Use {
     floor_rows += o.floor_rows;
     floor_travel2 = fmax2(floor_travel2, o.floor_travel2);
     floor_ratio2 = fmax2(floor_ratio2, o.floor_ratio2);
+    cap_rows += o.cap_rows;
+    cap_skin += o.cap_skin;
     cap_ratio2 = fmax2(cap_ratio2, o.cap_ratio2);
   }
   double largest_ratio2() const {
-    double q = floor_ratio2;
+    double q = fmax2(floor_ratio2, cap_ratio2);
     for (const double r : ratio2) q = fmax2(q, r);
     return q;
   }
 };
 
-void SkinTuner::prepare(const World& w, double k, double floor) {
+void SkinTuner::prepare(const World& w) {
   on_ = w.scene.list.automatic && w.skin.has_k();
   has_floor_ = w.skin.floor_on;
-  k_ = k;
-  floor_ = floor;
-  cut_ = w.step;
+  k_ = w.scene.list.verlet_k;
+  floor_ = w.scene.list.floor;
   spacing_ = static_cast<double>(w.scene.sort_every);
+}
+
+/// K before anything is measured: K* = c (v dt / R)^-1/2 (cost model of tuner.hpp with pairs that grow with s / R), c
+/// from the chute of 32k grains.
+void SkinTuner::guess(World& w) {
+  double speeds = 0, radii = 0, rows = 0;
+  for (Row i = 0; i < w.n; ++i) {
+    if (!w.is_alive(i) || (w.has.fixed && w.fixed[i] != 0)) continue;
+    const double* v = w.v.data() + static_cast<long>(w.stride) * i;
+    speeds += __builtin_sqrt((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
+    radii += w.p[4L * i + 3];
+    rows += 1;
+  }
+  if (!(rows > 0) || !(speeds < 1e200)) return;
+  cut_ = w.step;
+  k_ =
+      speeds > 0 ? std::clamp(2.3 * __builtin_sqrt(radii / (speeds * w.scene.dt)), k_first[0], k_first[1]) : k_first[1];
+  w.skin.k_dt = k_ * w.scene.dt;
+  guessed_ = true;
+}
+
+SkinTuner::Ticks SkinTuner::ticks(const World& w) const {
+  Ticks t;
+  t.narrow = w.times.ticks(Node::narrow_phase);
+  t.walls = w.has.walls ? w.times.ticks(Node::wall_contact) : 0;
+  t.step = t.narrow + t.walls + w.times.ticks(Node::contact_force) + w.times.ticks(Node::integrate);
+  return t;
 }
 
 SkinTuner::Use SkinTuner::used_skins(World& w) const {
@@ -97,12 +130,18 @@ SkinTuner::Use SkinTuner::used_skins(World& w) const {
         use.floor_ratio2 = fmax2(use.floor_ratio2, ratio2);
         continue;
       }
+      const double most = w.skin.most(x[3]) / (2 * x[3]);
+      if (skin2 >= most * most * (1 - 1e-9)) {
+        use.cap_rows += 1;
+        use.cap_skin += __builtin_sqrt(skin2);
+        use.cap_ratio2 = fmax2(use.cap_ratio2, ratio2);
+        continue;
+      }
       const int k = class_of(skin2);
       use.rows[k] += 1;
       use.skin[k] += __builtin_sqrt(skin2);
       use.travel2[k] = fmax2(use.travel2[k], travelled2);
       use.ratio2[k] = fmax2(use.ratio2[k], ratio2);
-      if (skin2 > 0.0624) use.cap_ratio2 = fmax2(use.cap_ratio2, ratio2);  // half a radius is 1/4 of a diameter
     }
   });
   Use all;
@@ -113,17 +152,27 @@ SkinTuner::Use SkinTuner::used_skins(World& w) const {
 void SkinTuner::interval_ends(World& w) {
   if (!on_ || ended_ == w.step) return;
   ended_ = w.step;
+  if (!guessed_) return guess(w);
   const std::int64_t steps = w.step - w.frame.built;
   if (w.frame.rows == 0 || steps <= 0) return;
-  const std::uint64_t now = w.times.ticks(Node::narrow_phase);
+  const Ticks now = ticks(w);
   // Rows and contacts have their part in the narrow phase, in slots: 0.45 and 0.2 (fit to a flowing and a resting bed
   // of 32k grains, skins 0.005 to 0.05 d: 2.3 and 2.5 ns per further slot).
   const double work = slots_ + 0.45 * static_cast<double>(w.alive) + 0.2 * contacts_;
-  if (now > narrow_begin_ && slots_ > 0)  // less: the profile was restarted in between
-    pair_.add(static_cast<double>(now - narrow_begin_) / (static_cast<double>(steps) * work));
+  // less: the profile was restarted in between
+  if (now.narrow > begin_.narrow && now.walls >= begin_.walls && now.step > begin_.step && slots_ > 0) {
+    const auto n = static_cast<double>(steps);
+    pair_.add(static_cast<double>(now.narrow - begin_.narrow) / (n * work));
+    // a contact with a wall costs some three candidates
+    if (wall_pairs_ > 0)
+      wall_pair_.add(static_cast<double>(now.walls - begin_.walls) / (n * (wall_pairs_ + 3 * wall_contacts(w))));
+    step_.add(static_cast<double>(now.step - begin_.step) / n);
+  }
   const Use use = used_skins(w);
   if (use.largest_ratio2() < 1) {  // an epoch, an insertion, a wall
-    spacing_ = static_cast<double>(w.step - cut_);
+    // two cuts close together are chance: down in half steps, up at once
+    const auto spacing = static_cast<double>(w.step - cut_);
+    if (spacing > 0) spacing_ = spacing < spacing_ ? __builtin_sqrt(spacing * spacing_) : spacing;
     cut_ = w.step;
   }
   choose(w, use, static_cast<double>(steps));
@@ -133,11 +182,11 @@ void SkinTuner::interval_ends(World& w) {
 void SkinTuner::choose(World& w, const Use& use, double steps) {
   // 1. The (K', floor') of least total skin among those that last as long: K' = K * factor covers the classes that
   // floor' does not. Floors are tried upwards from what the rows at the floor need.
-  double present = use.floor_rows * floor_, least = 1e300, factor = 1, floor = floor_;
+  double present = use.floor_rows * floor_ + use.cap_skin, least = 1e300, factor = 1, floor = floor_;
   for (const double s : use.skin) present += s;
   double tried = has_floor_ ? fmax2(__builtin_sqrt(use.floor_travel2), k_least_floor) : 0;
   for (int round = 0; round < 40; ++round, tried *= 1.2) {
-    double f = 0, total = use.floor_rows * tried;
+    double f = 0, total = use.floor_rows * tried + use.cap_skin;
     for (int k = 0; k < k_classes; ++k)
       if (use.rows[k] > 0 && use.travel2[k] > tried * tried) f = fmax2(f, use.ratio2[k]);
     f = __builtin_sqrt(f);
@@ -153,13 +202,19 @@ void SkinTuner::choose(World& w, const Use& use, double steps) {
   const double rebuild = rebuild_.value(), pair = pair_.value();
   if (!(present > 0) || !(least > 0) || !(rebuild > 0) || !(pair > 0)) return;
   // a pair costs at its rebuild as much as in 3 steps: 8 ns
-  const double slope = fmax2(gain_ * least / present, 1e-3 * slots_) * (1 + 3 / steps);
-  double ideal = __builtin_sqrt(rebuild * steps / (pair * slope));
+  const double share = least / present;
+  const double slope =
+      pair * fmax2(gain_ * share, 1e-3 * slots_) * (1 + 3 / steps) + wall_pair_.value() * wall_gain_ * share;
+  double ideal = __builtin_sqrt(rebuild * steps / slope);
+  if (step_.value() > 0)
+    ideal = std::clamp(rebuild * (1 - k_share) / (k_share * step_.value()), ideal, k_longer * ideal);
   ideal = fmin2(ideal, 1.2 * spacing_);
   if (use.cap_ratio2 > 0) ideal = fmin2(ideal, 1.05 * steps / __builtin_sqrt(use.cap_ratio2));
   ideal = fmax2(ideal, 1);
   // 3. A step towards it; an interval much shorter than wanted says little about a long one.
-  const double weight = k_weight * fmin2(1, 2 * steps / ideal), scale = ideal / steps;
+  const double weight = (learned_ ? k_weight : 1) * fmin2(1, 2 * steps / ideal), scale = ideal / steps;
+  learned_ = true;
+  wanted_ = ideal;
   const auto move = [&](double& value, double to, double low, double high) {
     const double ratio = std::clamp(to / value, 1 / k_most_change, k_most_change);
     value = std::clamp(value * std::pow(ratio, weight), low, high);
@@ -170,10 +225,17 @@ void SkinTuner::choose(World& w, const Use& use, double steps) {
   w.skin.floor = floor_;
 }
 
-void SkinTuner::list_built(World& w, double ticks) {
+void rebuild_tuned(World& w) {
+  const std::uint64_t begin = __rdtsc();
+  w.tuner.interval_ends(w);
+  rebuild_lists(w);
+  w.tuner.list_built(w, static_cast<double>(__rdtsc() - begin) * w.threads);
+}
+
+void SkinTuner::list_built(World& w, double rebuild_ticks) {
   if (!on_) return;
-  rebuild_.add(ticks);
-  narrow_begin_ = w.times.ticks(Node::narrow_phase);
+  rebuild_.add(rebuild_ticks);
+  begin_ = ticks(w);
   // pairs whose gap lies between 3/4 and 1 of their skins: what a change of skins adds or takes
   std::int64_t near = 0;
   slots_ = contacts_ = 0;
@@ -192,6 +254,33 @@ void SkinTuner::list_built(World& w, double ticks) {
       }
   }
   gain_ = 4.0 * k_sample * static_cast<double>(near);
+  if (w.has.walls) sample_walls(w);
+}
+
+/// The same for walls: what the candidates of a sample of rows would be with 3/4 of their skins.
+void SkinTuner::sample_walls(const World& w) {
+  std::vector<std::int32_t> found;
+  double pairs = 0, sampled = 0, fewer = 0;
+  for (const auto& cp : w.chunks) {
+    const Chunk& c = *cp;
+    pairs += static_cast<double>(c.wall_element.size());
+    for (std::size_t k = static_cast<std::size_t>(c.index % k_wall_sample); k < c.wall_row.size(); k += k_wall_sample) {
+      const double* x = w.p.data() + 4L * c.wall_row[k];
+      const double skin = w.skin.to_walls(__builtin_sqrt(w.x0[4L * c.wall_row[k] + 3]));
+      found.clear();
+      w.walls.candidates({x[0], x[1], x[2]}, x[3] + 2 * w.skin.range(x[3]) + 0.75 * skin, found);
+      sampled += static_cast<double>(c.wall_begin[k + 1] - c.wall_begin[k]);
+      fewer += static_cast<double>(found.size());
+    }
+  }
+  wall_pairs_ = pairs;
+  wall_gain_ = sampled > 0 ? 4 * fmax2(sampled - fewer, 0) * pairs / sampled : 0;
+}
+
+double SkinTuner::wall_contacts(const World& w) {
+  double n = 0;
+  for (const auto& c : w.chunks) n += static_cast<double>(c->wall_state.size());
+  return n;
 }
 
 }  // namespace talus

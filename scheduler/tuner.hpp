@@ -1,16 +1,18 @@
-// Automatic K: chooses K and the floor of the skins while the run goes, at rebuilds only. Who calls it: the rebuild
-// node (interval_ends before the rows move, list_built after the lists are made).
+// Automatic K: chooses K and the floor of the skins while the run goes, at rebuilds only. Who calls it: rebuild_tuned()
+// (interval_ends before the rows move, list_built after the lists are made), walls (wanted()).
 // Invariant: it writes nothing but w.skin.k_dt, w.skin.floor and its own members: list parameters, so a run keeps its
-// bits, though not its rebuild steps (they follow measured times).
+// bits, though not its rebuild steps (they follow measured times). No checkpoint holds any of it.
 //
-// Model: a step costs C(N) = R / N + b P(N) beyond what lists cannot change: R a rebuild, b a candidate pair in the
-// narrow phase (both measured, as medians: only their ratio matters, and its square root), N the interval, P the pairs.
-// Nothing else is measured by clock; the rest is counted exactly at every rebuild:
+// Model: a step costs C(N) = R / N + b P(N) + c W(N) beyond what lists cannot change: R a rebuild, b a candidate pair
+// in the narrow phase, c a candidate of a wall (measured, as medians: only their ratios matter, and their square
+// roots), N the interval, P and W the candidates. Nothing else is measured by clock; the rest is counted at every
+// rebuild:
 // - what each particle has used of its skin: all skins that would have lasted as long follow from the displacements of
 //   the interval that ends. Of them the (K, floor) with the least total skin is taken;
-// - dP / d ln(skin), from the gaps of the pairs of a fresh list (a sample): those between 3/4 and 1 of their skins.
-// Skins for N' steps are N'/N times those for N, so N* = sqrt(R N / (b dP/d ln skin)): no search, no exploration.
-// Old intervals count through a moving average of a few rebuilds, so that a new regime is met at once.
+// - dP / d ln(skin) and dW / d ln(skin), from a sample of a fresh list: candidates between 3/4 and 1 of their skins.
+// Skins for N' steps are N'/N times those for N, so N* = sqrt(R N / (b dP + c dW)): no search, no exploration.
+// The first K is guessed from the mean speed. Old intervals count through a moving average of a few rebuilds, so that a
+// new regime is met at once.
 #pragma once
 
 #include <cstdint>
@@ -35,27 +37,37 @@ class RecentMedian {
 
 class SkinTuner {
  public:
-  void prepare(const World& w, double k, double floor);
+  void prepare(const World& w);
   bool on() const noexcept { return on_; }
   double k() const noexcept { return k_; }
   double floor() const noexcept { return floor_; }
+  /// Steps that the present lists are meant to last; 0: nothing is known yet.
+  double wanted() const noexcept { return wanted_; }
   /// Learns from the interval that ends now and sets the skins of the next one. Before rows are permuted.
   void interval_ends(World& w);
   void list_built(World& w, double ticks);  ///< `ticks`: of the rebuild, all threads
 
  private:
   struct Use;
+  struct Ticks {
+    std::uint64_t narrow = 0, walls = 0, step = 0;
+  };
+  void guess(World& w);
+  Ticks ticks(const World& w) const;
+  void sample_walls(const World& w);
+  static double wall_contacts(const World& w);
   Use used_skins(World& w) const;
   void choose(World& w, const Use& use, double steps);
 
-  bool on_ = false, has_floor_ = false;
-  double k_ = 0, floor_ = 0;
-  std::int64_t ended_ = -1;                     ///< step of the last call of interval_ends
-  std::int64_t cut_ = 0;                        ///< last step whose rebuild came before a skin was used up
-  double spacing_ = 0;                          ///< steps between such rebuilds: longer skins are wasted
-  double slots_ = 0, contacts_ = 0, gain_ = 0;  ///< of the present list: slots, contacts, dP / d ln skin
-  std::uint64_t narrow_begin_ = 0;
-  RecentMedian rebuild_, pair_;  ///< [ticks]
+  bool on_ = false, has_floor_ = false, guessed_ = false, learned_ = false;
+  double k_ = 0, floor_ = 0, wanted_ = 0;
+  std::int64_t ended_ = -1;                         ///< step of the last call of interval_ends
+  std::int64_t cut_ = 0;                            ///< last step whose rebuild came before a skin was used up
+  double spacing_ = 0;                              ///< steps between such rebuilds: longer skins are wasted
+  double slots_ = 0, contacts_ = 0, gain_ = 0;      ///< of the present list: slots, contacts, dP / d ln skin
+  double wall_pairs_ = 0, wall_gain_ = 0;           ///< the same for walls
+  Ticks begin_;                                     ///< when the present list was made
+  RecentMedian rebuild_, pair_, wall_pair_, step_;  ///< [ticks]
 };
 
 }  // namespace talus

@@ -290,6 +290,7 @@ void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, co
 void sort_epoch(World& w);     ///< compacts and permutes rows into Morton order
 void fill_cells(World& w);     ///< skins and cell grid
 void rebuild_lists(World& w);  ///< fill_cells, lists, history
+void rebuild_tuned(World& w);  ///< the same between the two calls of the tuner
 
 // --- chunk_work.cpp -----------------------------------------------------------------------------------------------
 void narrow_chunk(World& w, Chunk& c);
