@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "core/error.hpp"
 #include "scheduler/world.hpp"
@@ -134,7 +135,9 @@ Block evaluate_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers&
   return b;
 }
 
-Scratch* ScratchPool::take() {
+Scratch* ScratchPool::take(int slot) {
+  if (slot >= 0 && static_cast<std::size_t>(slot) < home_.size())
+    if (Scratch* s = std::exchange(home_[static_cast<std::size_t>(slot)].scratch, nullptr)) return s;
   const std::lock_guard<std::mutex> lock(mutex_);
   if (free_.empty()) {
     all_.push_back(std::make_unique<Scratch>());
@@ -145,7 +148,12 @@ Scratch* ScratchPool::take() {
   return s;
 }
 
-void ScratchPool::give(Scratch* s) {
+void ScratchPool::give(Scratch* s, int slot) {
+  if (slot >= 0 && static_cast<std::size_t>(slot) < home_.size() &&
+      home_[static_cast<std::size_t>(slot)].scratch == nullptr) {
+    home_[static_cast<std::size_t>(slot)].scratch = s;
+    return;
+  }
   const std::lock_guard<std::mutex> lock(mutex_);
   free_.push_back(s);
 }
@@ -166,7 +174,7 @@ void narrow_chunk(World& w, Chunk& c) {
     throw Error(ErrorCode::physics,
                 "flush-to-zero, denormals-are-zero or a changed rounding mode is active in a worker thread",
                 "step " + std::to_string(w.step), "do not link with -ffast-math and leave MXCSR at its default");
-  c.scratch = w.scratch.take();
+  c.scratch = w.scratch.take(thread_slot(w));
   Scratch& s = *c.scratch;
   const std::size_t room = static_cast<std::size_t>(c.pairs[0] + c.pairs[1] + c.pairs[2]) + 2 * k_pad;
   grow(s.ci, room);
@@ -368,7 +376,7 @@ void integrate_chunk(World& w, Chunk& c) {
   if (w.step < w.scene.relax.steps) {
     relax_chunk(w, c);
     if (w.skin.own_check()) travel_chunk(w, c);
-    w.scratch.give(c.scratch);
+    w.scratch.give(c.scratch, thread_slot(w));
     c.scratch = nullptr;
     return;
   }
@@ -408,7 +416,7 @@ void integrate_chunk(World& w, Chunk& c) {
   c.unstable_row = a.unstable_row;
   if (w.skin.own_check()) travel_chunk(w, c);
   if (w.sampled) observe_chunk(w, c);
-  w.scratch.give(c.scratch);
+  w.scratch.give(c.scratch, thread_slot(w));
   c.scratch = nullptr;
 }
 

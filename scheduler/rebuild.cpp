@@ -198,7 +198,10 @@ std::size_t ListScratchPool::bytes() const {
 }
 
 void for_chunks(World& w, void (*fn)(World&, Chunk&)) {
-  parallel(w, static_cast<int>(w.chunks.size()), [&](int k) { fn(w, *w.chunks[static_cast<std::size_t>(k)]); });
+  const int chunks = static_cast<int>(w.chunks.size());
+  w.shares.prepare(chunks, w.threads);
+  w.shares.begin_round();
+  parallel(w, chunks, [&](int) { fn(w, *w.chunks[static_cast<std::size_t>(w.shares.take(thread_slot(w)))]); });
 }
 
 void rebuild_lists(World& w) {
@@ -230,6 +233,7 @@ void rebuild_lists(World& w) {
   w.counters.pairs = 0;
   for (const auto& c : w.chunks) w.counters.pairs += 2 * c->pairs[1] + c->pairs[0] + c->pairs[2];
   w.counters.pairs /= 2;
+  divide_chunks(w);
   ++w.counters.rebuilds;
 }
 

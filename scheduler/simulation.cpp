@@ -34,6 +34,7 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   w.options = options;
   w.threads = options.threads > 0 ? options.threads : available_threads();
   w.times.prepare(w.threads);
+  w.scratch.prepare(w.threads);
   w.serial.index = -1;
   w.kernels = &select_kernels(options.isa, &w.isa_why, scene.precision);
   w.law = &law_info(scene.contact.model);

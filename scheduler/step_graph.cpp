@@ -18,6 +18,8 @@
 // integrate[c]        p, v, force rows of c, x0               p2, v2 rows of c, flags c
 // join                                                        swaps p/p2 and v/v2, n + 1
 // Two unordered nodes never share a written array (I7): unordered are only nodes of different chunks.
+// Which chunk a chain narrow_phase[c] -> ... -> integrate[c] works on is decided when it starts: its thread takes the
+// next chunk of its own share (shares.hpp).
 #include <oneapi/tbb/flow_graph.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
@@ -334,6 +336,7 @@ void run_graph(World& w, std::int64_t target) {
       };
       function_node<Go, Go> start(g, serial, [&w, audit](const Go&) {
         guarded(w, -1, audit);
+        w.shares.begin_round();
         return Go();
       });
       continue_node<Go> join(g, [&w](const Go&) {
@@ -343,15 +346,21 @@ void run_graph(World& w, std::int64_t target) {
       std::deque<continue_node<Go>> nodes;
       std::vector<continue_node<Go>*> first;  // of every chunk
       w.graph_chunks = static_cast<int>(w.chunks.size());
-      for (const auto& cp : w.chunks) {
-        Chunk* c = cp.get();
+      w.chain.assign(w.chunks.size(), nullptr);
+      w.shares.prepare(w.graph_chunks, w.threads);
+      for (Chunk*& c : w.chain) {
         const auto add = [&](void (*work)(World&, Chunk&)) -> continue_node<Go>& {
-          return nodes.emplace_back(g, [&w, c, work](const Go&) {
+          return nodes.emplace_back(g, [&w, &c, work](const Go&) {
             guarded(w, c->index, [&] { work(w, *c); });
             return Go();
           });
         };
-        auto& narrow_phase = add(narrow_chunk);
+        // whichever thread starts a chain takes the chunk that it worked on in the last step
+        auto& narrow_phase = nodes.emplace_back(g, [&w, &c](const Go&) {
+          c = w.chunks[static_cast<std::size_t>(w.shares.take(thread_slot(w)))].get();
+          guarded(w, c->index, [&] { narrow_chunk(w, *c); });
+          return Go();
+        });
         auto& contact_force = add(force_chunk);
         auto& integrate = add(integrate_chunk);
         first.push_back(&narrow_phase);

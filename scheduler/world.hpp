@@ -19,6 +19,7 @@
 #include "kernels/kernel_table.hpp"
 #include "scheduler/monitor.hpp"
 #include "scheduler/profile.hpp"
+#include "scheduler/shares.hpp"
 #include "scheduler/simulation.hpp"
 #include "scheduler/skin_check.hpp"
 #include "scheduler/tuner.hpp"
@@ -135,14 +136,20 @@ struct Chunk {
   double rebuild_seconds[static_cast<int>(RebuildPart::count)] = {};
 };
 
-/// Pool of scratch buffers, last in first out.
+/// Pool of scratch buffers. Every thread gets back the one it gave, which lies in its caches; the rest is last in first
+/// out.
 class ScratchPool {
  public:
-  Scratch* take();
-  void give(Scratch* s);
+  void prepare(int threads) { home_ = std::vector<Home>(static_cast<std::size_t>(threads)); }
+  Scratch* take(int slot);  ///< slot: of the calling thread, or -1
+  void give(Scratch* s, int slot = -1);
   std::size_t bytes() const;
 
  private:
+  struct alignas(128) Home {
+    Scratch* scratch = nullptr;
+  };
+  std::vector<Home> home_;  ///< by slot; only its thread looks
   std::mutex mutex_;
   std::vector<std::unique_ptr<Scratch>> all_;
   std::vector<Scratch*> free_;
@@ -216,6 +223,8 @@ struct World {
   NodeTimes times;
   int graph_chunks = 0;  ///< chunks the step graph was built for
   ScratchPool scratch;
+  ChunkShares shares;
+  std::vector<Chunk*> chain;  ///< the chunk that each chain of the step graph has taken
 
   // broad phase
   SkinRule skin;
@@ -346,7 +355,8 @@ Plan plan_of(const World& w);
 std::size_t bytes_of(const World& w);
 std::int64_t audit_lists(const World& w);  ///< touching pairs that the list lacks, by sort and sweep
 
-/// Runs fn(chunk) over all chunks in parallel, isolated from the graph (a waiting thread may steal no graph node).
+/// Runs fn(chunk) over all chunks in parallel, each on the thread of its share, isolated from the graph (a waiting
+/// thread may steal no graph node).
 void for_chunks(World& w, void (*fn)(World&, Chunk&));
 
 }  // namespace talus
