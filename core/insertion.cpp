@@ -34,6 +34,12 @@ bool spans(const Domain& d, const Region& g, int axis) {
   return d.periodic(axis) && g.lower[axis] <= d.lower[axis] && g.upper[axis] >= d.upper[axis];
 }
 
+std::size_t tiles_of(const Source& s) {
+  std::size_t n = 1;
+  for (int k : s.tile) n *= static_cast<std::size_t>(k);
+  return n;
+}
+
 bool inside_cylinder(const Region& g, Vec3 x, double r) {
   if (!(g.radius > 0)) return true;
   const double dx = x.x - 0.5 * (g.lower.x + g.upper.x), dy = x.y - 0.5 * (g.lower.y + g.upper.y);
@@ -127,6 +133,12 @@ void Insertion::read_file(std::size_t s) {
   ParticleFile file = read_particle_file(path, scene_.materials);
   NewParticles& p = files_[s];
   const std::size_t n = file.size();
+  constexpr std::size_t most = std::numeric_limits<std::int32_t>::max();
+  if (tiles_of(source) > most / n)
+    throw Error(ErrorCode::scene, fmt::format("{} tiles of {} particles are too many", tiles_of(source), n),
+                fmt::format("source '{}': tile", source.name), fmt::format("allowed: {} particles in all", most));
+  const bool tiled = tiles_of(source) > 1;
+  const Vec3 size = tile_size(s);
   std::int16_t fixed_group = static_cast<std::int16_t>(source.group);
   for (std::size_t g = scene_.groups.size(); g-- > 0;) {
     if (scene_.groups[g].fixed_in_file) fixed_group = static_cast<std::int16_t>(g);
@@ -138,11 +150,13 @@ void Insertion::read_file(std::size_t s) {
   for (std::size_t i = 0; i < n; ++i) {
     p.group[i] = p.fixed[i] ? fixed_group : static_cast<std::int16_t>(source.group);
     for (int k = 0; k < 3; ++k) {
-      const double low = scene_.domain.lower[k], high = scene_.domain.upper[k];
+      const double low = scene_.domain.lower[k];
+      const double high = source.tile[static_cast<std::size_t>(k)] > 1 ? low + size[k] : scene_.domain.upper[k];
       double& x = file.x[i][k];
       if (x == high && scene_.domain.periodic(k)) x = low;
       if (x >= low && x <= high) continue;
-      throw Error(ErrorCode::scene, fmt::format("{} = {} lies outside the domain", "xyz"[k], x),
+      throw Error(ErrorCode::scene,
+                  fmt::format("{} = {} lies outside the {}", "xyz"[k], x, tiled ? "first tile" : "domain"),
                   fmt::format("{}:{}", path, file.row[i]), fmt::format("allowed: {} to {}", low, high));
     }
   }
@@ -153,8 +167,58 @@ void Insertion::read_file(std::size_t s) {
   rows_[s] = std::move(file.row);
 }
 
-void Insertion::check_overlaps(const NewParticles& p, const std::vector<std::int64_t>& row,
-                               const std::vector<int>& from) const {
+Vec3 Insertion::tile_size(std::size_t s) const {
+  Vec3 size;
+  for (int k = 0; k < 3; ++k)
+    size[k] = (scene_.domain.upper[k] - scene_.domain.lower[k]) / scene_.sources[s].tile[static_cast<std::size_t>(k)];
+  return size;
+}
+
+/// The file's particles, then its copies: x varies slowest.
+void Insertion::append_tiles(std::size_t s, NewParticles& out) const {
+  const NewParticles& f = files_[s];
+  const std::array<int, 3>& tile = scene_.sources[s].tile;
+  const Vec3 size = tile_size(s);
+  const auto append = [](auto& to, const auto& more) { to.insert(to.end(), more.begin(), more.end()); };
+  for (int a = 0; a < tile[0]; ++a) {
+    for (int b = 0; b < tile[1]; ++b) {
+      for (int c = 0; c < tile[2]; ++c) {
+        const Vec3 shift{a * size.x, b * size.y, c * size.z};
+        for (const Vec3& x : f.x) {
+          Vec3 y = x + shift;
+          // rounding must not carry the last tile through the domain's end
+          for (int k = 0; k < 3; ++k) y[k] = fmin2(y[k], scene_.domain.upper[k]);
+          out.x.push_back(y);
+        }
+        append(out.v, f.v);
+        append(out.w, f.w);
+        append(out.r, f.r);
+        append(out.material, f.material);
+        append(out.fixed, f.fixed);
+        append(out.group, f.group);
+      }
+    }
+  }
+}
+
+/// "file:row" of a particle of the initial files, with its tile where there are several.
+std::string Insertion::place_in_file(std::size_t particle) const {
+  std::size_t s = 0;
+  while (particle >= files_[s].size() * tiles_of(scene_.sources[s])) {
+    particle -= files_[s].size() * tiles_of(scene_.sources[s]);
+    ++s;
+  }
+  const Source& source = scene_.sources[s];
+  const std::size_t n = files_[s].size(), copy = particle / n;
+  std::string place = fmt::format("{}:{}", source.file, rows_[s][particle % n]);
+  if (tiles_of(source) > 1) {
+    const auto ny = static_cast<std::size_t>(source.tile[1]), nz = static_cast<std::size_t>(source.tile[2]);
+    place += fmt::format(" (tile {}, {}, {})", copy / (ny * nz), copy / nz % ny, copy % nz);
+  }
+  return place;
+}
+
+void Insertion::check_overlaps(const NewParticles& p) const {
   // Beds at rest hold real static overlaps, so a share of the radius is always accepted.
   // A relaxing start takes any overlap except coincident centres, which have no direction to part in.
   const bool relaxes = scene_.relax.steps > 0;
@@ -188,7 +252,8 @@ void Insertion::check_overlaps(const NewParticles& p, const std::vector<std::int
       const double sum = p.r[i] + s.r;
       if (d2 >= sum * sum) return false;
       const double depth = sum - std::sqrt(d2), share = depth / fmin2(p.r[i], s.r);
-      if (share > allowed || (relaxes && d2 == 0)) pairs.push_back({std::min(s.index, index), std::max(s.index, index), depth, share});
+      if (share > allowed || (relaxes && d2 == 0))
+        pairs.push_back({std::min(s.index, index), std::max(s.index, index), depth, share});
       return pairs.size() >= enough;
     });
     occupied.add(p.x[i], p.r[i], index);
@@ -198,10 +263,7 @@ void Insertion::check_overlaps(const NewParticles& p, const std::vector<std::int
   std::sort(pairs.begin(), pairs.end(), [&](const Pair& q, const Pair& o) { return key(q) < key(o); });
   pairs.erase(std::unique(pairs.begin(), pairs.end(), [&](const Pair& q, const Pair& o) { return key(q) == key(o); }),
               pairs.end());
-  const auto place = [&](std::int32_t i) {
-    const auto k = static_cast<std::size_t>(i);
-    return fmt::format("{}:{}", scene_.sources[static_cast<std::size_t>(from[k])].file, row[k]);
-  };
+  const auto place = [&](std::int32_t i) { return place_in_file(static_cast<std::size_t>(i)); };
   std::string list;
   for (std::size_t k = 0; k < pairs.size() && k < 5; ++k)
     list += fmt::format("{}{} and {} by {:.4g} m ({:.3g} of the smaller radius)", k == 0 ? "" : "; ", place(pairs[k].a),
@@ -214,29 +276,27 @@ void Insertion::check_overlaps(const NewParticles& p, const std::vector<std::int
   throw Error(ErrorCode::scene,
               fmt::format("{}{} initial overlaps deeper than {:g} of the smaller radius: {}",
                           pairs.size() >= enough ? "at least " : "", pairs.size(), allowed, list),
-              place(pairs[0].a), "separate the particles, part them with relax.steps, or set checks.allow_initial_overlap and "
+              place(pairs[0].a),
+              "separate the particles, part them with relax.steps, or set checks.allow_initial_overlap and "
               "checks.max_overlap");
 }
 
 NewParticles Insertion::initial() {
   NewParticles out;
-  std::vector<std::int64_t> row;
-  std::vector<int> from;
+  std::size_t total = 0;
+  for (std::size_t s = 0; s < scene_.sources.size(); ++s) total += files_[s].size() * tiles_of(scene_.sources[s]);
+  out.x.reserve(total);
+  out.v.reserve(total);
+  out.w.reserve(total);
+  out.r.reserve(total);
+  out.material.reserve(total);
+  out.fixed.reserve(total);
+  out.group.reserve(total);
   for (std::size_t s = 0; s < scene_.sources.size(); ++s) {
-    const NewParticles& f = files_[s];
-    const auto append = [](auto& to, const auto& more) { to.insert(to.end(), more.begin(), more.end()); };
-    append(out.x, f.x);
-    append(out.v, f.v);
-    append(out.w, f.w);
-    append(out.r, f.r);
-    append(out.material, f.material);
-    append(out.fixed, f.fixed);
-    append(out.group, f.group);
-    append(row, rows_[s]);
-    from.insert(from.end(), f.size(), static_cast<int>(s));
-    state_[s].number += static_cast<std::int64_t>(f.size());
+    append_tiles(s, out);
+    state_[s].number += static_cast<std::int64_t>(files_[s].size() * tiles_of(scene_.sources[s]));
   }
-  if (out.size() > 0) check_overlaps(out, row, from);
+  if (out.size() > 0) check_overlaps(out);
   for (std::size_t s = 0; s < scene_.sources.size(); ++s) {
     const Source& source = scene_.sources[s];
     if ((source.kind == Source::Kind::lattice || source.kind == Source::Kind::random) && source.start <= 0)

@@ -60,7 +60,10 @@ class Insertion {
     double carry = 0;          ///< fraction of a particle (or kg) owed by a rate
   };
   void read_file(std::size_t source);
-  void check_overlaps(const NewParticles& p, const std::vector<std::int64_t>& row, const std::vector<int>& from) const;
+  Vec3 tile_size(std::size_t source) const;  ///< [m]
+  void append_tiles(std::size_t source, NewParticles& out) const;
+  std::string place_in_file(std::size_t particle) const;
+  void check_overlaps(const NewParticles& p) const;
   std::int64_t due_step(std::size_t source, std::int64_t n) const;
   bool exhausted(std::size_t source) const;
   double next_radius(std::size_t source) const;
@@ -74,7 +77,7 @@ class Insertion {
   const Scene scene_;
   std::vector<SourceState> state_;
   std::vector<SizeSampler> samplers_;            ///< one per source
-  std::vector<NewParticles> files_;              ///< one per source, filled for file sources; read once
+  std::vector<NewParticles> files_;              ///< one per source, filled for file sources; read once; one tile
   std::vector<std::vector<std::int64_t>> rows_;  ///< line in the file of each particle of files_
   std::int64_t inserted_ = 0;
 };

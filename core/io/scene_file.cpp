@@ -271,6 +271,10 @@ Source read_source(const SceneTable& r, const Scene& scene, const std::vector<st
     for (std::string_view unused : {"region", "size"}) {
       if (r.has(unused)) r.fail(unused, "has no effect with kind = file");
     }
+    if (r.has("tile")) {
+      const std::vector<std::int64_t> tile = r.integers("tile");
+      for (std::size_t k = 0; k < 3; ++k) s.tile[k] = static_cast<int>(tile[k]);
+    }
     return s;
   }
   const std::string why = "by kind = " + r.text("kind");

@@ -150,6 +150,8 @@ constexpr SceneKey k_keys[] = {
      "\"filling\""},
     {"source", "file", T::text, "", 0, 0, false, "", "(required by file)", "kind=file",
      "CSV with a header row (also gzip) or LAMMPS data file, relative to the scene", "\"state.csv.gz\""},
+    {"source", "tile", T::cells, "-", 1, 10000, false, "", "[1, 1, 1]", "kind=file",
+     "cuts the domain into so many equal boxes; the file fills the first, copies of it the others", "[4, 4, 1]"},
     {"source", "material", T::text, "", 0, 0, false, "", "(the first material)", "",
      "material of the particles; a material column of a file goes first", "\"glass\""},
     {"source", "velocity", T::vector, "m/s", -k_big, k_big, false, "", "[0, 0, 0]", "kind=lattice|random|stream",

@@ -467,6 +467,51 @@ TEST_F(FileSource, RowsBecomeParticlesAndFixedOnesAGroup) {
   EXPECT_EQ(insertion.next_step(0), INT64_MAX);
 }
 
+TEST_F(FileSource, TilesRepeatTheFileInEqualPartsOfTheDomain) {
+  Scene s = scene("0,2.25,0.5,0.1,1,2,3,4,5,6,1\n0,2.75,0.5,0.2,0,0,0,0,0,0,0\n", Boundary::periodic);
+  s.groups.resize(1);
+  s.groups[0].fixed_in_file = true;
+  s.sources[0].tile = {1, 2, 1};
+  Insertion insertion(s);
+  const NewParticles p = insertion.initial();
+  ASSERT_EQ(p.size(), 4u);
+  EXPECT_EQ(insertion.inserted(), 4);
+  for (std::size_t i = 2; i < 4; ++i) {
+    EXPECT_EQ(p.x[i].y, p.x[i - 2].y + 1);  // the domain is 2 wide in y
+    EXPECT_EQ(p.x[i].x, p.x[i - 2].x);
+    EXPECT_EQ(p.x[i].z, p.x[i - 2].z);
+    EXPECT_EQ(p.v[i].y, p.v[i - 2].y);
+    EXPECT_EQ(p.w[i].z, p.w[i - 2].z);
+    EXPECT_EQ(p.r[i], p.r[i - 2]);
+    EXPECT_EQ(p.material[i], 1);
+    EXPECT_EQ(p.fixed[i], p.fixed[i - 2]);
+    EXPECT_EQ(p.group[i], p.group[i - 2]);
+  }
+}
+
+TEST_F(FileSource, FileBeyondTheFirstTileIsRefusedByRow) {
+  Scene s = scene("0,2.5,0.5,0.1,0,0,0,0,0,0,0\n0,3.25,1,0.1,0,0,0,0,0,0,0\n");
+  s.sources[0].tile = {1, 2, 1};
+  const std::string m = refusal([&] { Insertion{s}; });
+  EXPECT_CONTAINS(m, path_.string() + ":3: y = 3.25 lies outside the first tile (allowed: 2 to 3)");
+}
+
+TEST_F(FileSource, OverlapAcrossTilesNamesBothTiles) {
+  // free in one tile, but the copies meet at the tile's face
+  Scene s = scene("0,2.05,0.5,0.1,0,0,0,0,0,0,0\n0,2.95,0.5,0.1,0,0,0,0,0,0,0\n");
+  Insertion{s}.initial();
+  s.sources[0].tile = {1, 2, 1};
+  const std::string m = refusal([&] { Insertion{s}.initial(); });
+  EXPECT_CONTAINS(m, path_.string() + ":3 (tile 0, 0, 0) and " + path_.string() + ":2 (tile 0, 1, 0) by 0.1 m");
+}
+
+TEST_F(FileSource, TooManyTilesAreRefused) {
+  Scene s = scene("0,2.0001,0.5,0.1,0,0,0,0,0,0,0\n");
+  s.sources[0].tile = {10000, 10000, 10000};
+  const std::string m = refusal([&] { Insertion{s}; });
+  EXPECT_CONTAINS(m, "1000000000000 tiles of 1 particles are too many");
+}
+
 TEST_F(FileSource, RelativePathsStartAtTheScenesDirectory) {
   Scene s = scene("0,3,0.5,0.1,0,0,0,0,0,0,0\n");
   s.directory = path_.parent_path();
