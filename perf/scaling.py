@@ -100,6 +100,11 @@ def pair(args, sizes):
     rng = np.random.default_rng(1)
     rows = []
     rounds = {size: [] for size in sizes}
+    if args.append:
+        with open(os.path.join(args.out, "pair.json")) as f:
+            rounds = {row["size"]: [tuple(v) for v in row["rounds"]] for row in json.load(f)["pair"] if row["size"] in sizes}
+        for size in sizes:
+            rounds.setdefault(size, [])
     for r in range(args.rounds):
         for size in sizes:
             steps = max(args.min_steps, int(args.work / size))
@@ -108,8 +113,8 @@ def pair(args, sizes):
             copies = sum(finish(p)["rate"] for p in both)
             rounds[size].append((threads, copies))
         print(f"  pair: round {r + 1}/{args.rounds}", file=sys.stderr)
-    print(f"\ntwo threads against two independent processes at the same time ({args.rounds} interleaved rounds, cores {cores})\n"
-          f"{'':<12} {'2 threads':>10} {'2 processes':>12}   ratio (95 % of the median)   >= 0.95")
+    print(f"\ntwo threads against two independent processes at the same time (interleaved rounds, cores {cores})\n"
+          f"{'':<12} {'2 threads':>10} {'2 processes':>12}   ratio (95 % of the median)   rounds   >= 0.95")
     for size, values in rounds.items():
         values = np.array(values)
         ratios = values[:, 0] / values[:, 1]
@@ -118,7 +123,7 @@ def pair(args, sizes):
         row = {"size": size, "ratio": float(np.median(ratios)), "low": float(low), "high": float(high), "rounds": values.tolist()}
         rows.append(row)
         print(f"N = {size:<8} {np.median(values[:, 0]) / 1e6:>8.2f} M {np.median(values[:, 1]) / 1e6:>10.2f} M   {row['ratio']:.3f}  "
-              f"({low:.3f} ... {high:.3f})          {'holds' if row['ratio'] >= 0.95 else 'DOES NOT HOLD'}")
+              f"({low:.3f} ... {high:.3f})            {len(values):>4}   {'holds' if row['ratio'] >= 0.95 else 'DOES NOT HOLD'}")
     return rows
 
 
@@ -219,6 +224,7 @@ def main():
     p.add_argument("--ks", type=numbers, default=[0, 10, 50, 100, 200, 500, 1000, 2000])
     p.add_argument("--rounds", type=int, help="default: 5, 15 with --pair")
     p.add_argument("--pair", action="store_true", help="only: two threads against two processes (default sizes 32000,128000)")
+    p.add_argument("--append", action="store_true", help="with --pair: add the rounds to those of the last call (pair.json in --out)")
     p.add_argument("--work", type=float, default=64e6, help="particle-steps per timed run and thread")
     p.add_argument("--min-steps", type=int, default=200)
     p.add_argument("--first-core", type=int, default=0)

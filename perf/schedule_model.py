@@ -10,6 +10,9 @@ are those measured, chunk by chunk; a larger system draws from them. Scheduling 
   - a thread without work picks one victim at random; a failed attempt costs a pause of 1000 cycles; after some hundred failures it
     falls asleep, and waking it costs `wake`;
   - taking tasks out of one queue is serialised by its lock.
+Which chunk a chain works on is the engine's choice (scheduler/shares.cpp): the thread that starts a chain takes the next chunk of its
+own share of consecutive chunks, or the last one of the fullest share when its own is used up. Recorded chunks have equal cost to the
+engine's estimate, as in a run with threads; what they really cost is in the trace.
 Memory: traffic beyond the caches shares the node's bandwidth; a chunk cannot finish faster than its share allows.
 """
 import heapq
@@ -212,9 +215,10 @@ class Machine:
         self.idle_since[0] = self.now
         self.busy += seconds
 
-    def fork_join(self, durations, tree):
+    def fork_join(self, durations, tree, shares=None):
         """Runs tasks of the given durations from worker 0; tree: ranges are halved and handed on, otherwise worker 0 queues every
-        task itself. Sets now to the end of the last one."""
+        task itself. shares: bounds of the workers' shares of the durations; a task then takes its duration when it starts. Sets
+        now to the end of the last one."""
         c, p = self.costs, self.cores
         if p == 1:
             self.now += sum(durations) + c.spawn * len(durations)
@@ -232,6 +236,18 @@ class Machine:
             events.append((self.now + (c.wake * self.random.uniform(0.5, 1.5) if asleep else c.attempt * self.random.random()), w))
         heapq.heapify(events)
 
+        window = [list(b) for b in zip(shares, shares[1:])] if shares else None
+
+        def taken(w):
+            """The chunk that a chain starting on worker w works on."""
+            own = window[w]
+            if own[0] < own[1]:
+                own[0] += 1
+                return own[0] - 1
+            fullest = max(window, key=lambda b: b[1] - b[0])
+            fullest[1] -= 1
+            return fullest[1]
+
         def execute(w, t, first, last):
             """Runs a range on worker w from t on; returns when it looks for work again."""
             nonlocal left, end
@@ -246,8 +262,9 @@ class Machine:
                     t += c.spawn
                     queues[w].append((t, k, k + 1))
                 first = last - 1
-            t += durations[first]
-            self.busy += durations[first]
+            lasts = durations[taken(w) if shares else first]
+            t += lasts
+            self.busy += lasts
             left -= 1
             end = max(end, t)
             self.idle_since[w] = t
@@ -299,6 +316,11 @@ def scaled(parts, factor, chunks, recorded_chunks, particles, cores, rng):
     return out
 
 
+def equal_shares(chunks, workers):
+    """As many chunks for every worker, as the engine has them where all chunks cost the same."""
+    return [chunks * w // workers for w in range(workers + 1)]
+
+
 def simulate(rec, particles, cores, costs, memory, tree, rebuild_every, samples=6, seed=1):
     """Seconds per step and their parts for one system on one machine."""
     rng = random.Random(seed)
@@ -320,7 +342,7 @@ def simulate(rec, particles, cores, costs, memory, tree, rebuild_every, samples=
         longest = max(longest, max(durations))
         begin = machine.now
         machine.serial(rec.check * max(1.0, chunks / rec.chunks))
-        machine.fork_join(durations, tree)
+        machine.fork_join(durations, tree, equal_shares(chunks, cores))
         machine.serial(costs.join)
         steps.append(machine.now - begin)
     step = sum(steps) / len(steps)

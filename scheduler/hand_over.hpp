@@ -10,22 +10,6 @@
 
 namespace talus {
 
-/// Chunk of a row without a division: (row * factor) >> shift is exact for rows below 2^30.
-class ChunkOf {
- public:
-  explicit ChunkOf(int chunk_size)
-      : shift_(30 + std::bit_width(static_cast<unsigned>(chunk_size) - 1U)),
-        factor_(((std::uint64_t{1} << shift_) + static_cast<unsigned>(chunk_size) - 1U) /
-                static_cast<unsigned>(chunk_size)) {}
-  int operator()(Row i) const {
-    return static_cast<int>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(i)) * factor_) >> shift_);
-  }
-
- private:
-  int shift_;
-  std::uint64_t factor_;
-};
-
 /// Sorts what chunk k got, rows [lo, hi), by section, i, j into its keys and history. An entry is a pair_key() and the
 /// history, all as doubles.
 void receive_contacts(World& w, int k, Row lo, Row hi, const double* entries, std::int32_t count);
@@ -36,9 +20,9 @@ void receive_contacts(World& w, int k, Row lo, Row hi, const double* entries, st
 template <class Contacts>
 void hand_over(World& w, Row n, const Blocks& blocks, std::span<const std::span<double>> room,
                const Contacts& contacts_of) {
-  const int chunks = std::max(1, (n + w.chunk_size - 1) / w.chunk_size);
+  const ChunkMap& chunk_of = w.chunk_of;
+  const int chunks = chunk_of.count(n);
   const int columns = w.has.history_columns, size = 1 + columns;
-  const ChunkOf chunk_of(w.chunk_size);
   bool flips[k_max_columns];
   for (int q = 0; q < columns; ++q) flips[q] = w.flips(q);
   std::vector<std::int32_t> place(static_cast<std::size_t>(blocks.count) * static_cast<std::size_t>(chunks), 0);
@@ -92,8 +76,7 @@ void hand_over(World& w, Row n, const Blocks& blocks, std::span<const std::span<
     });
   });
   parallel(w, chunks, [&](int k) {
-    const auto lo = static_cast<Row>(static_cast<std::int64_t>(k) * w.chunk_size);
-    receive_contacts(w, k, lo, std::min<Row>(n, lo + w.chunk_size), entries[static_cast<std::size_t>(k)],
+    receive_contacts(w, k, chunk_of.lo(k), chunk_of.hi(k, n), entries[static_cast<std::size_t>(k)],
                      total[static_cast<std::size_t>(k)]);
   });
 }

@@ -108,13 +108,15 @@ int thread_slot(const World& w) noexcept {
   return slot >= 0 && slot < w.threads ? slot : -1;
 }
 
-void divide_chunks(World& w) {
+std::vector<double> chunk_costs(const World& w) {
   std::vector<double> cost;
   for (const auto& c : w.chunks)
     cost.push_back(k_slot_cost * static_cast<double>(c->end[2]) +
                    k_contact_cost * static_cast<double>(c->contact_end[2]) + k_row_cost * (c->hi - c->lo) +
                    k_wall_cost * static_cast<double>(c->wall_state.size()));
-  w.shares.divide(cost, w.threads);
+  return cost;
 }
+
+void divide_chunks(World& w) { w.shares.divide(chunk_costs(w), w.threads); }
 
 }  // namespace talus

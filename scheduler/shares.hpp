@@ -50,6 +50,8 @@ class ChunkShares {
 
 /// Slot of the calling thread in the arena of the run, or -1.
 int thread_slot(const World& w) noexcept;
+/// What a step of each chunk will cost by its present list and contacts; only ratios count.
+std::vector<double> chunk_costs(const World& w);
 /// Divides the chunks by what their present lists and contacts will cost.
 void divide_chunks(World& w);
 

@@ -199,6 +199,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options) : impl_(st
   append_particles(w, first, true);
   warn_of_extent(w);
   choose_chunk(w);
+  w.chunk_of = ChunkMap(w.chunk_size);
   make_chunks(w);
 }
 
@@ -256,6 +257,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
     }
   }
   choose_chunk(w);
+  w.chunk_of = ChunkMap(w.chunk_size);
   make_chunks(w);
   std::vector<ContactEntry> contacts = read_contacts(w, in);
   std::vector<WallEntry> walls = read_walls(w, in);

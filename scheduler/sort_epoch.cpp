@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <utility>
 
 #include "scheduler/hand_over.hpp"
 
@@ -156,16 +157,14 @@ void permute_rows(World& w) {
 }
 
 /// Every chunk looks up the wall contacts of its rows under their old row, and takes them in the order they had there.
-void take_wall_states(World& w, int chunks) {
-  const ChunkOf chunk_of(w.chunk_size);
+void take_wall_states(World& w, int chunks, const ChunkMap& old_chunk_of) {
   parallel(w, chunks, [&](int k) {
     Chunk& c = *w.chunks[static_cast<std::size_t>(k)];
     c.wall_next.clear();
     c.wall_moment_next.clear();
-    const auto lo = static_cast<Row>(static_cast<std::int64_t>(k) * w.chunk_size);
-    for (Row i = lo; i < std::min<Row>(w.n, lo + w.chunk_size); ++i) {
+    for (Row i = w.chunk_of.lo(k); i < w.chunk_of.hi(k, w.n); ++i) {
       const Row o = w.sorted_row[static_cast<std::size_t>(i)];
-      const Chunk& old = *w.chunks[static_cast<std::size_t>(chunk_of(o))];
+      const Chunk& old = *w.chunks[static_cast<std::size_t>(old_chunk_of(o))];
       const std::vector<WallState>& from = old.wall_state;
       if (from.empty() || o < from.front().row || o > from.back().row) continue;
       auto s = std::lower_bound(from.begin(), from.end(), o, [](const WallState& t, Row row) { return t.row < row; });
@@ -207,15 +206,30 @@ void hand_over_lists(World& w, int chunks) {
   });
 }
 
+/// New borders for several threads: chunks of equal cost, so that equal numbers of them are equal shares. A row costs
+/// what the rows of its old chunk did; a sample of each group of rows is enough.
+ChunkMap equal_cost_chunks(const World& w) {
+  const std::vector<double> cost = chunk_costs(w);
+  const Row rows = ChunkMap::group_rows(w.chunk_size);
+  std::vector<double> group;
+  for (Row i = 0; i < w.n; i += rows) {
+    const auto old = static_cast<std::size_t>(w.chunk_of(w.sorted_row[static_cast<std::size_t>(i)]));
+    group.push_back(cost[old] / std::max(1, w.chunks[old]->hi - w.chunks[old]->lo) * std::min(rows, w.n - i));
+  }
+  return ChunkMap(w.chunk_size, w.n, group);
+}
+
 }  // namespace
 
 void sort_epoch(World& w) {
   sort_rows(w);
   permute_rows(w);
   set_particle_capacity(w, w.alive);  // before x0, p2 and v2 take the contacts: it writes the padding rows
-  const int chunks = std::max(1, (w.n + w.chunk_size - 1) / w.chunk_size);
+  const ChunkMap old_chunk_of = std::exchange(w.chunk_of, equal_cost_chunks(w));
+  const int chunks = w.chunk_of.count(w.n);
+  need_chunks(w, chunks);
   hand_over_lists(w, chunks);
-  if (w.has.walls) take_wall_states(w, chunks);
+  if (w.has.walls) take_wall_states(w, chunks, old_chunk_of);
   w.velocity_at_old_step = false;
   make_chunks(w);
   ++w.counters.sort_epochs;

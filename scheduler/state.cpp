@@ -97,17 +97,21 @@ void append_particles(World& w, const NewParticles& a, bool at_start) {
   w.alive += static_cast<Row>(a.size());
 }
 
-void make_chunks(World& w) {
-  const int count = std::max(1, (w.n + w.chunk_size - 1) / w.chunk_size);
+void need_chunks(World& w, int count) {
   while (static_cast<int>(w.chunks.size()) < count) {
     w.chunks.push_back(std::make_unique<Chunk>());
     w.chunks.back()->index = static_cast<int>(w.chunks.size()) - 1;
   }
+}
+
+void make_chunks(World& w) {
+  const int count = w.chunk_of.count(w.n);
+  need_chunks(w, count);
   w.chunks.resize(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) {
     Chunk& c = *w.chunks[static_cast<std::size_t>(k)];
-    c.lo = static_cast<Row>(static_cast<std::int64_t>(k) * w.chunk_size);
-    c.hi = std::min<Row>(w.n, c.lo + w.chunk_size);
+    c.lo = w.chunk_of.lo(k);
+    c.hi = w.chunk_of.hi(k, w.n);
   }
 }
 

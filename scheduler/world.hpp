@@ -17,6 +17,7 @@
 #include "core/types.hpp"
 #include "core/walls.hpp"
 #include "kernels/kernel_table.hpp"
+#include "scheduler/chunk_map.hpp"
 #include "scheduler/monitor.hpp"
 #include "scheduler/profile.hpp"
 #include "scheduler/shares.hpp"
@@ -217,7 +218,8 @@ struct World {
   double r_min = 0, r_max = 0;
   Vec3 size;  ///< domain extent [m]
   Vec3 gravity;
-  int chunk_size = 4096;
+  int chunk_size = 4096;  ///< of equal chunks; a sort epoch makes as many of equal cost (sort_epoch.cpp)
+  ChunkMap chunk_of;
   std::vector<std::unique_ptr<Chunk>> chunks;
   Chunk serial;  ///< stands for all rows in the timers of serial nodes
   NodeTimes times;
@@ -260,7 +262,6 @@ struct World {
   bool lists_valid = false;  ///< false: the next check must rebuild whatever the skins say
 
   double mass(Row i) const;  ///< [kg] from material and radius
-  int chunk_of(Row i) const { return static_cast<int>(i / chunk_size); }
   int pair_index(int a, int b) const { return a * static_cast<int>(scene.materials.size()) + b; }
   Vec3 position(Row i) const;  ///< absolute [m]
   bool is_alive(Row i) const { return p[4L * i] < 1e100; }
@@ -286,6 +287,7 @@ class PartClock {
 // --- state.cpp: storage -------------------------------------------------------------------------------------------
 void set_particle_capacity(World& w, Row n);  ///< resizes columns to n rows (+ dead row), keeps content
 void append_particles(World& w, const NewParticles& a, bool at_start);
+void need_chunks(World& w, int count);                       ///< adds empty ones where there are fewer
 void make_chunks(World& w);                                  ///< cuts rows into chunks; keeps existing ones in place
 void remove_row(World& w, Row i);                            ///< marks a row dead (I2), counts it
 std::vector<ContactEntry> list_contacts(const World& w);     ///< chunk by chunk, each once
