@@ -100,11 +100,12 @@ std::string soft_text(const Scene& scene, const Softening& s) {
 }
 
 std::string k_text(const Scene& scene, const Advice& a) {
-  if (!(a.k > 0)) return fmt::format("{:g} as set: no rebuild was needed in the measured steps", scene.list.verlet_k);
+  const std::string set = scene.list.automatic ? "auto" : fmt::format("{:g}", scene.list.verlet_k);
+  if (!(a.k > 0)) return set + " as set: no rebuild was needed in the measured steps";
   return fmt::format(
-      "about {:.0f} (set: {:g}): sqrt(B R / (3 c v dt)) at rms {:.3g} m/s, rebuild {:.3g} ms, narrow phase "
+      "about {:.0f} (set: {}): sqrt(B R / (3 c v dt)) at rms {:.3g} m/s, rebuild {:.3g} ms, narrow phase "
       "{:.3g} ms per step; the optimum is flat",
-      a.k, scene.list.verlet_k, a.cost.speed, 1e3 * a.cost.rebuild, 1e3 * a.cost.narrow);
+      a.k, set, a.cost.speed, 1e3 * a.cost.rebuild, 1e3 * a.cost.narrow);
 }
 
 std::string time_text(const Advice& a, int threads) {

@@ -39,7 +39,7 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   s.bytes_per_particle = plan.bytes_per_particle;
   s.peak_rss_bytes = peak_rss_bytes();
   for (const ListRecord& r : simulation.list_series())
-    s.list_series.push_back({r.step, r.interval, r.k, r.floor, r.pairs, r.contacts});
+    s.list_series.push_back({r.step, r.interval, r.k, r.floor, r.skin, r.pairs, r.contacts});
   s.verlet_k = scene.list.verlet_k;
   s.verlet_k_automatic = scene.list.automatic;
   if (scene.list.automatic && !s.list_series.empty()) s.verlet_k = s.list_series.back().k;

@@ -7,7 +7,8 @@
 namespace talus {
 namespace {
 
-constexpr std::size_t k_cells_least = std::size_t{1} << 18, k_cells_most = std::size_t{1} << 21;
+constexpr double k_edge = 0.5;  // of a cell, in reaches
+constexpr std::size_t k_cells_least = std::size_t{1} << 20, k_cells_most = std::size_t{1} << 21;
 constexpr std::size_t k_entries_base = std::size_t{1} << 21, k_entries_per_facet = 64;
 
 int clamped(double cell, int cells) { return cell <= 0 ? 0 : (cell >= cells - 1 ? cells - 1 : static_cast<int>(cell)); }
@@ -28,12 +29,12 @@ FacetGrid::FacetGrid(std::span<const TriangleElement> facets, double reach, doub
   const double padded = reach * (1 + 1e-6) + slack + 1e-12 * size;
   for (int k = 0; k < 3; ++k) lower_[k] -= padded, upper_[k] += padded;
 
-  // A cell as large as the reach gives short lists; larger where the box would have too many cells, or where large
+  // Cells below the reach give short lists; larger where the box would have too many cells, or where large
   // slanted facets would fill too many of them.
   const std::size_t cell_limit = std::min(k_cells_most, std::max(k_cells_least, 4 * facets.size()));
   const std::size_t entry_limit = k_entries_base + k_entries_per_facet * facets.size();
   const Vec3 extent = upper_ - lower_;
-  double edge = fmax2(reach, 1e-6 * size);
+  double edge = fmax2(k_edge * reach, 1e-6 * size);
   auto cells_at = [&](double h) {
     double n = 1;
     for (int k = 0; k < 3; ++k) n *= extent[k] / h + 1;

@@ -184,8 +184,8 @@ struct Event {
 /// List parameters; none of them changes the trajectory (but for policy fixed, which may miss contacts).
 struct ListSettings {
   ListPolicy policy = ListPolicy::local;
-  double verlet_k = 200;      ///< K in skin = K |v| dt; where the run chooses K itself, its first value
-  bool automatic = false;     ///< K and floor are chosen while the run goes (scheduler/tuner.hpp)
+  double verlet_k = 200;      ///< K in skin = K |v| dt; does not count where the run chooses K
+  bool automatic = true;      ///< K and floor are chosen while the run goes (scheduler/tuner.hpp)
   std::int64_t interval = 0;  ///< policy fixed: steps between rebuilds
   bool floor_on = true, acceleration_on = true, cap_on = true;
   double floor = 0.02;                ///< of the particle diameter

@@ -38,7 +38,8 @@ constexpr double k_candidate_inflation = 1e-9;  // of the reach: far above the r
 
 struct FacetMesh {
   std::vector<TriangleElement> facets;
-  FacetGrid grid;
+  FacetGrid grid;        ///< for the largest reach there can be
+  FacetGrid usual_grid;  ///< for the reach of nearly all grains: shorter lists; empty where none was asked for
 };
 
 struct Wall {
@@ -145,12 +146,14 @@ struct WallSet::Impl {
   std::array<Vec3, 8> domain;  ///< corners of the domain, widened by max_reach
   Vec3 lower, upper;           ///< the domain itself [m]
 
-  Wall build(const Scene& scene, const WallSpec& spec, double max_reach, double largest_diameter) const;
+  Wall build(const Scene& scene, const WallSpec& spec, double max_reach, double usual_reach,
+             double largest_diameter) const;
   double travelled(const Wall& w) const;
   double speed(const Wall& w) const;
 };
 
-Wall WallSet::Impl::build(const Scene& scene, const WallSpec& spec, double max_reach, double largest_diameter) const {
+Wall WallSet::Impl::build(const Scene& scene, const WallSpec& spec, double max_reach, double usual_reach,
+                          double largest_diameter) const {
   check_spec(spec);
   Wall w;
   w.spec = spec;
@@ -161,6 +164,7 @@ Wall WallSet::Impl::build(const Scene& scene, const WallSpec& spec, double max_r
     f.facets = make_facets(mesh);
     w.slack = coplanarity(mesh);
     f.grid = FacetGrid(f.facets, max_reach, w.slack);
+    if (usual_reach > 0 && usual_reach < max_reach) f.usual_grid = FacetGrid(f.facets, usual_reach, w.slack);
     w.count = static_cast<std::int32_t>(f.facets.size());
     w.corners = box_corners(mesh.report.lower, mesh.report.upper);
     w.shape = std::move(f);
@@ -243,7 +247,7 @@ double WallSet::Impl::speed(const Wall& w) const {
   return fastest(w.pose, w.corners);
 }
 
-WallSet::WallSet(const Scene& scene, double max_reach) : impl_(std::make_unique<Impl>()) {
+WallSet::WallSet(const Scene& scene, double max_reach, double usual_reach) : impl_(std::make_unique<Impl>()) {
   std::vector<WallSpec> specs = scene.walls;
   append_domain_sides(scene.domain, specs);
   const Vec3 margin{max_reach, max_reach, max_reach};
@@ -254,7 +258,7 @@ WallSet::WallSet(const Scene& scene, double max_reach) : impl_(std::make_unique<
   for (const Source& s : scene.sources)
     if (s.kind != Source::Kind::file) largest_diameter = fmax2(largest_diameter, s.size.largest());
   for (const WallSpec& spec : specs) {
-    Wall w = impl_->build(scene, spec, max_reach, largest_diameter);
+    Wall w = impl_->build(scene, spec, max_reach, usual_reach, largest_diameter);
     w.first = static_cast<std::int32_t>(impl_->elements);
     impl_->elements += w.count;
     if (impl_->elements > std::numeric_limits<std::int32_t>::max())
@@ -292,7 +296,7 @@ std::size_t WallSet::bytes() const noexcept {
   for (int k = 0; k < size(); ++k) {
     sum += sizeof(Wall);
     if (const auto* m = std::get_if<FacetMesh>(&impl_->walls[k].shape))
-      sum += m->facets.size() * sizeof(TriangleElement) + m->grid.bytes();
+      sum += m->facets.size() * sizeof(TriangleElement) + m->grid.bytes() + m->usual_grid.bytes();
   }
   return sum;
 }
@@ -337,8 +341,11 @@ void WallSet::candidates(Vec3 c, double reach, std::vector<std::int32_t>& out) c
         ElementHit hit;
         if (closest_within(m.facets[f], b, padded, hit) && hit.distance <= within) out.push_back(w.first + f);
       };
-      // the grid was built with the slack on top of its reach
-      if (within - w.slack <= m.grid.reach() * (1 + 0.5e-6)) {
+      // a grid was built with the slack on top of its reach
+      const auto covers = [&](const FacetGrid& g) { return within - w.slack <= g.reach() * (1 + 0.5e-6); };
+      if (covers(m.usual_grid)) {
+        for (const std::int32_t f : m.usual_grid.near(b)) test(f);
+      } else if (covers(m.grid)) {
         for (const std::int32_t f : m.grid.near(b)) test(f);
       } else {  // more than the grid was built for: slower, never incomplete
         for (std::int32_t f = 0; f < w.count; ++f) test(f);

@@ -50,9 +50,10 @@ class WallSet {
   WallSet();
   /// Builds all elements; loads meshes relative to scene.directory. Sides of the domain with Boundary::wall become plane
   /// walls named "domain_x_lower" ... after the scene's own walls. `max_reach` [m]: the largest R_NL (radius + capped
-  /// skin + wall skin) that candidates() will ever be asked for (sizes the facet grid).
+  /// skin + wall skin) that candidates() will ever be asked for (sizes the facet grid). `usual_reach` [m]: what most
+  /// calls stay below, 0: no grid of its own for it.
   /// Errors: Error{scene} for a broken mesh or impossible geometry, with file and facet.
-  WallSet(const Scene& scene, double max_reach);
+  WallSet(const Scene& scene, double max_reach, double usual_reach = 0);
   ~WallSet();
   WallSet(WallSet&&) noexcept;
   WallSet& operator=(WallSet&&) noexcept;

@@ -242,33 +242,35 @@ def rebuild_figure(summary):
 
 
 def list_figure(summary):
-    """Skin parameters, interval and candidates per contact of the list over the run."""
+    """Skin, K, interval and candidates per contact of the list over the run."""
     names = summary.get("list_series_columns") or []
     rows = np.array(summary.get("list_series") or [], dtype=float)
     if len(rows) < 3 or "interval" not in names:
         return None
     column = {name: rows[:, k] for k, name in enumerate(names)}
     step = column["step"]
-    figure, panels = plt.subplots(1, 3, figsize=(11.4, 2.7), gridspec_kw={"wspace": 0.28})
-    if column["k"].any():
-        panels[0].step(step, column["k"], where="post", color=ACCENT, lw=1.2, label="K")
-        panels[0].set_ylabel("K [steps]")
-        panels[0].set_ylim(bottom=0)
+    figure, ((skins, k), (intervals, pairs)) = plt.subplots(2, 2, figsize=(11.4, 5), gridspec_kw={"wspace": 0.2, "hspace": 0.5})
+
+    def over_run(panel, name, label, title, style):
+        panel.plot(step, column[name], drawstyle="steps-post", lw=1.2, **style)
+        panel.set(title=title, xlabel="step", ylabel=label)
+        panel.set_ylim(bottom=0)
+
+    if "skin" in column:
+        over_run(skins, "skin", "skin / diameter", "Skin", {"color": ACCENT, "label": "mean"})
         if column["floor"].any():
-            second = panels[0].twinx()
-            second.step(step, column["floor"], where="post", color=PALETTE[1], lw=1.2)
-            second.set_ylabel("floor / diameter", color=PALETTE[1])
-            second.set_ylim(bottom=0)
-    else:
-        panels[0].text(0.5, 0.5, "one skin for all", ha="center", va="center", transform=panels[0].transAxes)
-    panels[0].set(title="Skin parameters", xlabel="step")
-    panels[1].plot(step[1:], column["interval"][1:], ".", ms=3, alpha=0.7)
-    panels[1].set(title="Rebuild interval", xlabel="step", ylabel="steps")
-    panels[1].set_ylim(bottom=0)
+            skins.plot(step, column["floor"], drawstyle="steps-post", lw=1, color=PALETTE[1], label="floor")
+            skins.legend()
+    over_run(k, "k", "K [steps]", "K" + (", chosen by the run" if summary.get("verlet_k_automatic") else ""), {"color": ACCENT})
+    if not column["k"].any():
+        k.text(0.5, 0.5, "this policy has no K", ha="center", va="center", transform=k.transAxes)
+    intervals.plot(step[1:], column["interval"][1:], ".", ms=3, alpha=0.7)
+    intervals.set(title="Rebuild interval", xlabel="step", ylabel="steps since last rebuild")
+    intervals.set_ylim(bottom=0)
     some = column["contacts"] > 0
-    panels[2].plot(step[some], column["pairs"][some] / column["contacts"][some], lw=1.2)
-    panels[2].set(title="Candidate pairs per contact", xlabel="step", ylabel="pairs / contact")
-    panels[2].set_ylim(bottom=0)
+    pairs.plot(step[some], column["pairs"][some] / column["contacts"][some], lw=1.2)
+    pairs.set(title="Candidate pairs per contact", xlabel="step", ylabel="pairs / contact")
+    pairs.set_ylim(bottom=0)
     return svg(figure)
 
 

@@ -17,6 +17,7 @@ namespace {
 struct alignas(64) ChunkReach {
   double top[k_max_levels] = {};
   std::int32_t count[k_max_levels] = {};
+  double skins = 0;  ///< sum of skin / diameter
   Row bad = -1;
 };
 
@@ -70,6 +71,7 @@ void set_skins(World& w, const Chunk& c, const LevelLimits& limits, double slack
       a = __builtin_sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]) * inverse_dt;
     }
     const double skin = rule(x[3], speed(i, v, speed2), a);
+    out.skins += skin / (2 * x[3]);
     const double stored = stored_scale * skin;
     double* ref = w.x0.data() + 4L * i;
     ref[0] = x[0];
@@ -167,8 +169,10 @@ void fill_cells(World& w) {
       all.top[l] = fmax2(all.top[l], f.top[l]);
       all.count[l] += f.count[l];
     }
+    all.skins += f.skins;
     if (f.bad >= 0) fail_non_finite(w, f.bad);
   }
+  w.frame.mean_skin = w.alive > 0 ? all.skins / static_cast<double>(w.alive) : 0;
   clock.lap(RebuildPart::skin);
   // 2. cells of the levels that hold particles, one after another
   int level_at[k_max_levels] = {};

@@ -18,6 +18,8 @@ struct Simulation::Impl {
 
 namespace {
 
+constexpr double k_usual_skin = 0.35;  // in radii: of a grain and the wall together, what nearly all lists need
+
 int available_threads() {
   cpu_set_t set;
   CPU_ZERO(&set);
@@ -91,7 +93,7 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   local.domain.upper = w.size;
   for (WallSpec& s : local.walls)
     for (Vec3* at : {&s.point, &s.lower, &s.upper, &s.shift, &s.motion.rotation_origin}) *at = *at - scene.domain.lower;
-  w.walls = WallSet(local, reach + 0.5 * w.r_min);
+  w.walls = WallSet(local, reach + 0.5 * w.r_min, (1 + k_usual_skin) * w.r_max + 2 * w.skin.range(w.r_max));
   h.walls = w.walls.size() > 0;
   h.moving_walls = h.walls && w.walls.any_moving();
 }

@@ -20,6 +20,7 @@ struct ListRecord {
   std::int64_t step = 0;
   std::int64_t interval = 0;  ///< steps since the rebuild before
   double k = 0, floor = 0;    ///< of the new list; 0 where the policy has none
+  double skin = 0;            ///< mean skin / diameter of the new list
   std::int64_t pairs = 0;     ///< candidates of the new list
   std::int64_t contacts = 0;  ///< touching pairs
 };

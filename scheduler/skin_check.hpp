@@ -17,6 +17,7 @@ struct ListFrame {
   Row rows = 0;             ///< rows it has seen
   Vec3 velocity;            ///< of the frame in which displacements count; 0 but for mean_subtracted [m/s]
   double common_speed = 0;  ///< global_velocity: largest speed [m/s]
+  double mean_skin = 0;     ///< of its diameter, over particles
   double travelled = 0;     ///< accumulated: sum of the largest travels [m]
 };
 

@@ -72,6 +72,7 @@ ListRecord list_record(const World& w) {
   r.interval = w.step - w.last_rebuild_step;
   r.k = w.skin.has_k() ? w.skin.k_dt / w.scene.dt : 0;
   r.floor = w.skin.floor_on ? w.skin.floor : 0;
+  r.skin = w.frame.mean_skin;
   r.pairs = w.counters.pairs;
   std::int64_t twice = 0;
   for (const auto& c : w.chunks)

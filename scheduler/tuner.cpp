@@ -19,6 +19,9 @@ constexpr double k_weight = 0.5;     // of one interval in the moving average of
 constexpr double k_most_change = 2;  // of K or floor in one rebuild
 // Share of the run time that rebuilds should not exceed, and how much longer than cheapest lists may last for it: the
 // optimum is flat, 1.25 costs (1.25 + 1 / 1.25) / 2 - 1 = 2.5 % of the lists' own cost.
+// Intervals that nobody looks at once K has settled, unless one is unexpectedly short or long. A look costs some 20 ns
+// per particle, a rebuild 110 (chute of 32k grains).
+constexpr int k_rest = 3;
 constexpr double k_share = 0.047, k_longer = 1.25;
 constexpr std::int64_t k_sample = 16;  // every k_sample-th group of 8 slots is looked at
 constexpr int k_wall_sample = 16;      // and every k_wall_sample-th row near a wall
@@ -155,12 +158,17 @@ void SkinTuner::interval_ends(World& w) {
   if (!guessed_) return guess(w);
   const std::int64_t steps = w.step - w.frame.built;
   if (w.frame.rows == 0 || steps <= 0) return;
+  if (rest_ > 0 && static_cast<double>(steps) > 0.7 * wanted_ && static_cast<double>(steps) < 1.4 * wanted_) {
+    --rest_;
+    return;
+  }
+  rest_ = 0;
   const Ticks now = ticks(w);
   // Rows and contacts have their part in the narrow phase, in slots: 0.45 and 0.2 (fit to a flowing and a resting bed
   // of 32k grains, skins 0.005 to 0.05 d: 2.3 and 2.5 ns per further slot).
   const double work = slots_ + 0.45 * static_cast<double>(w.alive) + 0.2 * contacts_;
   // less: the profile was restarted in between
-  if (now.narrow > begin_.narrow && now.walls >= begin_.walls && now.step > begin_.step && slots_ > 0) {
+  if (now.narrow > begin_.narrow && now.walls >= begin_.walls && now.step > begin_.step && sampled_) {
     const auto n = static_cast<double>(steps);
     pair_.add(static_cast<double>(now.narrow - begin_.narrow) / (n * work));
     // a contact with a wall costs some three candidates
@@ -206,8 +214,9 @@ void SkinTuner::choose(World& w, const Use& use, double steps) {
   const double slope =
       pair * fmax2(gain_ * share, 1e-3 * slots_) * (1 + 3 / steps) + wall_pair_.value() * wall_gain_ * share;
   double ideal = __builtin_sqrt(rebuild * steps / slope);
-  if (step_.value() > 0)
-    ideal = std::clamp(rebuild * (1 - k_share) / (k_share * step_.value()), ideal, k_longer * ideal);
+  // the share that rebuilds should keep to, where that is near
+  const double longer = step_.value() > 0 ? rebuild * (1 - k_share) / (k_share * step_.value()) : 0;
+  if (longer > ideal && longer < k_longer * ideal) ideal = longer;
   ideal = fmin2(ideal, 1.2 * spacing_);
   if (use.cap_ratio2 > 0) ideal = fmin2(ideal, 1.05 * steps / __builtin_sqrt(use.cap_ratio2));
   ideal = fmax2(ideal, 1);
@@ -215,12 +224,14 @@ void SkinTuner::choose(World& w, const Use& use, double steps) {
   const double weight = (learned_ ? k_weight : 1) * fmin2(1, 2 * steps / ideal), scale = ideal / steps;
   learned_ = true;
   wanted_ = ideal;
+  const double k_before = k_;
   const auto move = [&](double& value, double to, double low, double high) {
     const double ratio = std::clamp(to / value, 1 / k_most_change, k_most_change);
     value = std::clamp(value * std::pow(ratio, weight), low, high);
   };
   if (factor > 0) move(k_, factor * k_ * scale, k_least_k, k_most_k);
   if (has_floor_) move(floor_, floor * scale, k_least_floor, k_most_floor);
+  if (k_ > 0.9 * k_before && k_ < 1.1 * k_before) rest_ = k_rest;
   w.skin.k_dt = k_ * w.scene.dt;
   w.skin.floor = floor_;
 }
@@ -234,6 +245,8 @@ void rebuild_tuned(World& w) {
 
 void SkinTuner::list_built(World& w, double rebuild_ticks) {
   if (!on_) return;
+  sampled_ = rest_ == 0;
+  if (!sampled_) return;
   rebuild_.add(rebuild_ticks);
   begin_ = ticks(w);
   // pairs whose gap lies between 3/4 and 1 of their skins: what a change of skins adds or takes

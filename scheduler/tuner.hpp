@@ -60,6 +60,8 @@ class SkinTuner {
   void choose(World& w, const Use& use, double steps);
 
   bool on_ = false, has_floor_ = false, guessed_ = false, learned_ = false;
+  bool sampled_ = false;  ///< the present list was looked at: slots_ and gain_ are its own
+  int rest_ = 0;          ///< intervals to come that need no look
   double k_ = 0, floor_ = 0, wanted_ = 0;
   std::int64_t ended_ = -1;                         ///< step of the last call of interval_ends
   std::int64_t cut_ = 0;                            ///< last step whose rebuild came before a skin was used up

@@ -119,9 +119,9 @@ std::string summary_json(const Summary& s) {
   o.add("peak_rss_bytes", s.peak_rss_bytes);
   std::string series;
   for (const auto& r : s.list_series)
-    series += fmt::format("{}\n    [{}, {}, {}, {}, {}, {}]", series.empty() ? "" : ",", r.step, r.interval,
-                          Object::number(r.k), Object::number(r.floor), r.pairs, r.contacts);
-  o.raw("list_series_columns", R"(["step", "interval", "k", "floor", "pairs", "contacts"])");
+    series += fmt::format("{}\n    [{}, {}, {}, {}, {}, {}, {}]", series.empty() ? "" : ",", r.step, r.interval,
+                          Object::number(r.k), Object::number(r.floor), Object::number(r.skin), r.pairs, r.contacts);
+  o.raw("list_series_columns", R"(["step", "interval", "k", "floor", "skin", "pairs", "contacts"])");
   o.raw("list_series", series.empty() ? "[]" : "[" + series + "\n  ]");
   o.add("verlet_k", s.verlet_k);
   o.raw("verlet_k_automatic", s.verlet_k_automatic ? "true" : "false");

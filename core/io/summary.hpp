@@ -42,7 +42,7 @@ struct Summary {
   /// A rebuild of the list; thinned.
   struct Rebuild {
     std::int64_t step = 0, interval = 0;
-    double k = 0, floor = 0;
+    double k = 0, floor = 0, skin = 0;
     std::int64_t pairs = 0, contacts = 0;
   };
   std::vector<Rebuild> list_series;

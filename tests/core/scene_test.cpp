@@ -56,7 +56,7 @@ TEST(SceneFile, MinimalSceneGetsTheDefaultsOfTheTable) {
   EXPECT_EQ(s.contact.dashpot, Dashpot::centred);
   EXPECT_TRUE(s.contact.synchronised);
   EXPECT_EQ(s.list.policy, ListPolicy::local);
-  EXPECT_EQ(s.list.verlet_k, 200);
+  EXPECT_TRUE(s.list.automatic);
   EXPECT_TRUE(s.list.floor_on && s.list.acceleration_on && s.list.cap_on);
   EXPECT_EQ(s.list.floor, 0.02);
   EXPECT_EQ(s.max_overlap, 0.5);
@@ -69,6 +69,7 @@ TEST(SceneFile, DefaultsEqualThoseOfThePlainStruct) {
   const Scene a = parse(k_minimal), b;
   EXPECT_EQ(a.integrator, b.integrator);
   EXPECT_EQ(a.list.verlet_k, b.list.verlet_k);
+  EXPECT_EQ(a.list.automatic, b.list.automatic);
   EXPECT_EQ(a.list.floor, b.list.floor);
   EXPECT_EQ(a.list.uniform_skin, b.list.uniform_skin);
   EXPECT_EQ(a.list.cell_factor, b.list.cell_factor);
@@ -452,6 +453,7 @@ TEST(SceneFile, OverridesReplaceValuesOfAnyKey) {
   const Scene s = parse(text, {"list.verlet_k=17", "wall.1.motion.velocity=[1,2,3]", "title=two words",
                                "contact.friction = 0.25", "wall.0.name=floor", "time.duration=1"});
   EXPECT_EQ(s.list.verlet_k, 17);
+  EXPECT_FALSE(s.list.automatic);
   EXPECT_EQ(s.walls[1].motion.velocity.y, 2);
   EXPECT_EQ(s.walls[0].motion.velocity.y, 0);
   EXPECT_EQ(s.title, "two words");

@@ -163,6 +163,7 @@ TEST_P(Lists, HoldWallElementsBeyondAPeriodicBorder) {
   s.sources[0].velocity = {0, 3, -1.5};
   s.list.policy = GetParam();
   s.list.verlet_k = 1000;
+  s.list.automatic = false;
   RunOptions options;
   options.threads = 1;
   const Counters c = audited(s, options, 1000);

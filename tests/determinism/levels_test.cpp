@@ -94,6 +94,7 @@ Made make_scene(int index) {
       ListPolicy::global_velocity, ListPolicy::neighbourhood, ListPolicy::mean_subtracted};
   m.scene.list.policy = policies[index % 9];
   m.scene.list.verlet_k = 1 + 20 * u.next();
+  m.scene.list.automatic = false;
   m.scene.sort_every = 7 + index % 5;
   return m;
 }

@@ -30,6 +30,7 @@ TEST(Observe, FrameHoldsEveryTouchingPairAlsoAtSortEpochs) {
     Scene s = build();
     s.list.policy = ListPolicy::paper;  // lists expire often
     s.list.verlet_k = 3;
+    s.list.automatic = false;
     s.sort_every = 40;
     RunOptions o;
     o.threads = 2;

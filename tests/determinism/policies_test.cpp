@@ -49,6 +49,7 @@ upper = [0.29, 0.29, 0.29]
 [source.size]
 diameter = 0.01
 [list]
+verlet_k = 200
 )" + list,
                      "crowd", ".");
 }
@@ -128,9 +129,8 @@ TEST(Policies, FixedIntervalMissesContactsAndTheAuditCountsThem) {
 }
 
 TEST(AutomaticK, ChangesKAndFloorButNoBit) {
-  const Scene fixed = sheared_bed();
-  Scene scene = fixed;
-  scene.list.automatic = true;
+  Scene scene = sheared_bed(), fixed = scene;
+  fixed.list.automatic = false;
   RunOptions options;
   options.threads = 1;
   Simulation sim(scene, options);

@@ -66,6 +66,23 @@ TEST(Report, IsOneSelfContainedPage) {
   EXPECT_TRUE(test::slurp(f.report()) == first);  // no dates, no random ids
 }
 
+TEST(Report, ShowsTheListOverTheRun) {
+  TemporaryFolder t;
+  const auto f = example(t / "out");
+  const std::string page =
+      " 3 'The list over the run' 'skin / diameter' 'K, chosen by the run' 'steps since last rebuild' "
+      "'Candidate pairs per contact'";
+  ASSERT_TRUE(report(f.dir()));
+  EXPECT_FALSE(python("check_report.py", f.report() + page + " 2>/dev/null")) << "no series, no plots";
+  Summary s;
+  s.verlet_k_automatic = true;
+  for (int k = 0; k < 20; ++k)
+    s.list_series.push_back({40 * k, 40, 60.0 + k, 0.02, 0.03 + 0.001 * k, 9000 + 10 * k, 3000});
+  write_summary(f.summary(), s);
+  ASSERT_TRUE(report(f.dir()));
+  EXPECT_TRUE(python("check_report.py", f.report() + page));
+}
+
 TEST(Report, WorksWhenFilesAreMissing) {
   TemporaryFolder t;
   struct Case {

@@ -243,6 +243,7 @@ TEST(PhysicsCohesion, NecksOnWallsHoldAndTheRunIsTheSameForEveryList) {
     s.domain.boundary[2] = {Boundary::wall, Boundary::wall};
     s.gravity = {0, 0, -9.81};
     s.list.verlet_k = k;
+    s.list.automatic = false;
     if (k == 0) s.list.policy = ListPolicy::always;
     std::vector<Grain> grains;
     for (int q = 0; q < 100; ++q)
