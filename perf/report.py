@@ -498,7 +498,7 @@ def page(run):
     if run.series:
         section("Mass flow", flow_figures(run.series))
         section("Time series", series_figures(run.series))
-    for heading, image in [("List rebuilds", rebuild_figure(s)), ("The list over the run", list_figure(s)),
+    for heading, image in [("List rebuilds", rebuild_figure(s)), ("The list over the run: skin, K, rebuild interval, pairs per contact", list_figure(s)),
                            ("Where the time went", node_figure(s))]:
         if image:
             body.append(f"<h2>{heading}</h2><figure><img class=wide alt='{heading.lower()}' src='{image}'></figure>")

@@ -69,9 +69,7 @@ TEST(Report, IsOneSelfContainedPage) {
 TEST(Report, ShowsTheListOverTheRun) {
   TemporaryFolder t;
   const auto f = example(t / "out");
-  const std::string page =
-      " 3 'The list over the run' 'skin / diameter' 'K, chosen by the run' 'steps since last rebuild' "
-      "'Candidate pairs per contact'";
+  const std::string page = " 3 'The list over the run: skin, K, rebuild interval, pairs per contact'";
   ASSERT_TRUE(report(f.dir()));
   EXPECT_FALSE(python("check_report.py", f.report() + page + " 2>/dev/null")) << "no series, no plots";
   Summary s;
