@@ -36,6 +36,7 @@ enum class ListPolicy : std::uint8_t {
   global_velocity,
   neighbourhood,
   mean_subtracted,
+  displacement_history,
   fixed
 };
 enum class Isa : std::uint8_t { automatic, scalar, sse2, avx2, avx512 };

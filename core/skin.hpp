@@ -28,6 +28,8 @@ inline constexpr PolicyText k_policies[] = {
     {"global_velocity", "exact: skin K max|v| dt for all, each displacement is checked at every step"},
     {"neighbourhood", "exact: as local with the largest speed among 64 neighbouring rows"},
     {"mean_subtracted", "exact: as local, speeds and displacements relative to the mean velocity"},
+    {"displacement_history",
+     "exact: skin from what each particle travelled under the last lists, checked at every step"},
     {"fixed", "NOT exact: rebuilt every list.interval steps, nothing is checked in between"},
 };
 inline const PolicyText& policy_text(ListPolicy p) noexcept { return k_policies[static_cast<int>(p)]; }
@@ -57,7 +59,7 @@ struct SkinRule {
     k_dt = s.list.verlet_k * s.dt;
     const bool terms =
         policy == ListPolicy::local || policy == ListPolicy::neighbourhood || policy == ListPolicy::mean_subtracted;
-    floor_on = terms && s.list.floor_on;
+    floor_on = (terms || policy == ListPolicy::displacement_history) && s.list.floor_on;
     acceleration_on = terms && s.list.acceleration_on;
     cap_on = s.list.cap_on;
     floor = s.list.floor;
@@ -103,9 +105,11 @@ struct SkinRule {
     return s > 0 ? s : 0;
   }
 
-  /// Skin [m] of a particle of radius r [m], speed v [m/s] (whose speed: skin_check.hpp), acceleration a [m/s2]:
+  /// Skin [m] of a particle of radius r [m], speed v [m/s] (whose speed: skin_check.hpp), acceleration a [m/s2]. For
+  /// displacement_history v is a length [m], see SkinSpeeds.
   /// paper, global_velocity: K v dt, capped at L_C/2 - R_C (the paper's printed cap L_C loses pairs); local,
-  /// neighbourhood, mean_subtracted: with floor and 1/2 |a| (K dt)^2, also capped at r/2; the others: one skin.
+  /// neighbourhood, mean_subtracted: with floor and 1/2 |a| (K dt)^2, also capped at r/2; displacement_history: floor
+  /// and the same caps; the others: one skin.
   /// With automatic K the cap is k_automatic_cap r alone: see there.
   double operator()(double r, double v, double a) const {
     double s = 0;
@@ -124,7 +128,8 @@ struct SkinRule {
       case ListPolicy::global_velocity:
       case ListPolicy::neighbourhood:
       case ListPolicy::mean_subtracted:
-        s = k_dt * v;
+      case ListPolicy::displacement_history:
+        s = policy == ListPolicy::displacement_history ? v : k_dt * v;
         if (acceleration_on) s += 0.5 * a * k_dt * k_dt;
         if (floor_on) s = fmax2(s, floor * 2 * r);
         if (cap_on) {

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """The paper's study with one command: how the cost of a run depends on K and on the list policy, for the five cases.
 
-  python3 perf/study.py --small                         # small cases, 3 repeats: an hour of one core or so
+  python3 perf/study.py --quick                         # small cases, short runs, 2 repeats: about 25 minutes of one core
+  python3 perf/study.py --small                         # small cases, 3 repeats: some hours of one core
   python3 perf/study.py --small --cases hopper,grates   # some of them
   python3 perf/study.py                                 # the full cases (>= 1e5 grains), many hours
   python3 perf/study.py --small --budget 50             # stop after 50 s; the next call goes on from there
@@ -32,12 +33,13 @@ def cpu_name():
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--small", action="store_true", help="the small cases instead of the full ones")
+    parser.add_argument("--quick", action="store_true", help=f"as --small, with {plan.QUICK_STEPS} timed steps, {plan.QUICK_REPEATS} repeats and fewer uniform skins")
     parser.add_argument("--cases", help="names, with commas (all)")
     parser.add_argument("--series", default="paper,local,uniform,others", help="what is swept (paper,local,uniform,others)")
     parser.add_argument("--k", help="other values of K, with commas")
-    parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--steps", type=int, help="timed steps of a run (5000)")
-    parser.add_argument("--warm", type=int, default=200, help="untimed steps before them (200)")
+    parser.add_argument("--repeats", type=int, help="of every point (3; quick 2)")
+    parser.add_argument("--steps", type=int, help="timed steps of a run (5000; quick 1500)")
+    parser.add_argument("--warm", type=int, help="untimed steps before them (200)")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--isa")
     parser.add_argument("--prepare-steps", type=int, help="another step for the common state")
@@ -53,6 +55,10 @@ def arguments():
     args = parser.parse_args()
     if not os.access(args.talus, os.X_OK):
         parser.error(f"{args.talus} is not there: build it (bash cases/build.sh) or name another one with --talus")
+    args.small = args.small or args.quick
+    args.repeats = args.repeats if args.repeats is not None else plan.QUICK_REPEATS if args.quick else 3
+    args.warm = args.warm if args.warm is not None else plan.QUICK_WARM if args.quick else 200
+    args.steps = args.steps if args.steps is not None or not args.quick else plan.QUICK_STEPS
     if args.repeats < 1 or (args.steps is not None and args.steps < 1) or args.warm < 0:
         parser.error("--repeats and --steps must be at least 1, --warm at least 0")
     args.talus = os.path.abspath(args.talus)
@@ -72,7 +78,7 @@ def chosen(parser, args):
     if unknown:
         parser.error(f"no series {', '.join(unknown)}")
     ks = [int(k) for k in args.k.split(",")] if args.k else plan.K_SWEEP
-    return cases, plan.points(*plan.choices(args.talus), series, ks)
+    return cases, plan.points(*plan.choices(args.talus), series, ks, plan.UNIFORM_QUICK if args.quick else plan.UNIFORM_TUNED)
 
 
 def main():
@@ -102,7 +108,8 @@ def main():
     page.write_csv(os.path.join(args.out, "study.csv"), summaries)
     with open(os.path.join(args.out, "study.json"), "w", encoding="utf-8") as f:
         json.dump({"facts": facts, "points": {s.case.name: list(s.points.values()) for s in summaries},
-                   "table": [r for s in summaries for p in plan.SWEPT if (r := s.row(p))], "verdicts": verdicts}, f, indent=1)
+                   "table": [r for s in summaries for p in plan.SWEPT if (r := s.row(p))], "verdicts": verdicts,
+                   "bounds": [b for s in summaries if (b := findings.bounds(s))]}, f, indent=1)
     text(summaries, verdicts)
     print(f"\n{os.path.join(args.out, 'study.html')}")
     if any(len(s.hashes) > 1 for s in summaries):
@@ -120,6 +127,8 @@ def text(summaries, verdicts):
                 over = f"{r['overhead']:+.2f} ({r['overhead_low']:+.2f} ... {r['overhead_high']:+.2f})" if "overhead" in r else ""
                 print(f"{r['case']:<14}{p:<8}{r['particles']:>8}{r['none_s']:>9.3f}{r['optimum']:>7}{r['optimum_s']:>9.3f}{r['improvement']:>8.1f}"
                       f"{r.get('default_s', float('nan')):>9.3f}{over:>24}  {r['basin'][0]} to {r['basin'][1]}")
+    for b in filter(None, map(findings.bounds, summaries)):
+        print(f"{b['case']:<14}best: {b['best']}; not built, at most: partial rebuild or reduced cells {b['rebuild_percent']:.1f} %, outer and inner list {b['inner_percent']:.1f} %")
     for policy, claims in verdicts.items():
         for name, claim, cases in claims:
             for case, holds, evidence in cases:

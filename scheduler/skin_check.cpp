@@ -12,6 +12,10 @@
 //   expires when |D| > D_max (SkinRule::frame_travel); without walls D is unbounded.
 //   Wrapping: x, x0 and D are known modulo the period L; d_i - D was at most s_i <= L/4 one step ago and grows by less
 //   than L/4 per step (a step of more than a radius stops the run), so its minimum image is itself.
+// - displacement_history (the idea of Yade's collider): a skin is max(0.9 old skin, travel K / elapsed), so it follows
+//   what a particle does, not its speed of the moment: one that shakes keeps a skin of its amplitude, and one that
+//   rests loses its own within some rebuilds. As for local nothing depends on where skins come from: |d_i| <= s_i is
+//   checked. A row without a past (start, resume, inserted) takes K |v| dt.
 // - Walls: listed within R_i + SkinRule::to_walls(s_i) + wall skin, and each of the two travels is checked.
 #include "scheduler/skin_check.hpp"
 
@@ -25,6 +29,7 @@ namespace talus {
 
 namespace {
 
+constexpr double k_shrink = 0.9;  // of a skin that was not used up, per rebuild (Yade's number)
 constexpr Row k_neighbours = 64;  // rows lie in Morton order: 64 of them fill a compact part of space
 
 double to_image(double d, double half, double period) {
@@ -50,12 +55,36 @@ double SkinSpeeds::operator()(Row i, const double* v, double speed2) {
       }
       return block_ = __builtin_sqrt(largest);
     }
+    case ListPolicy::displacement_history: {
+      const double length = w_.next_skin[static_cast<std::size_t>(i)];
+      return length >= 0 ? length : w_.skin.k_dt * __builtin_sqrt(speed2);
+    }
     default:
       return __builtin_sqrt(speed2);
   }
 }
 
+void note_displacements(World& w) {
+  if (w.skin.policy != ListPolicy::displacement_history || w.frame.noted) return;
+  w.frame.noted = true;
+  const double stored_scale = w.options.seeded_fault == 3 ? 3 : 1;
+  const std::int64_t elapsed = std::max<std::int64_t>(1, w.step - w.frame.built);
+  const double steps_ahead = w.skin.k_dt / (w.scene.dt * static_cast<double>(elapsed));
+  parallel(w, static_cast<int>(w.chunks.size()), [&](int q) {
+    const Chunk& c = *w.chunks[static_cast<std::size_t>(q)];
+    for (Row i = c.lo; i < c.hi; ++i) {
+      double& next = w.next_skin[static_cast<std::size_t>(i)];
+      const double *x = w.p.data() + 4L * i, *ref = w.x0.data() + 4L * i;
+      next = -1;  // no past
+      if (i >= w.frame.rows || !(x[0] < 1e100) || !(ref[3] < 1e100)) continue;
+      const double travel = __builtin_sqrt(travel2(w, x, ref, {}));
+      next = fmax2(k_shrink * (__builtin_sqrt(ref[3]) / stored_scale), travel * steps_ahead);
+    }
+  });
+}
+
 void prepare_skins(World& w) {
+  note_displacements(w);
   w.frame = {};
   w.frame.built = w.step;
   w.frame.rows = w.n;

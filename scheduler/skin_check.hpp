@@ -19,9 +19,10 @@ struct ListFrame {
   double common_speed = 0;  ///< global_velocity: largest speed [m/s]
   double mean_skin = 0;     ///< of its diameter, over particles
   double travelled = 0;     ///< accumulated: sum of the largest travels [m]
+  bool noted = false;       ///< displacement_history: World::next_skin is that of the rebuild to come
 };
 
-/// The speed that a particle's skin is made from.
+/// The speed that a particle's skin is made from; displacement_history: the length.
 class SkinSpeeds {
  public:
   SkinSpeeds(const World& w, const Chunk& c) : w_(w), c_(c) {}
@@ -34,6 +35,9 @@ class SkinSpeeds {
   double block_ = 0;
 };
 
+/// displacement_history: what each row's skin should be, from what it has travelled since the last rebuild. Once per
+/// rebuild, while x0 and the rows are still those of the last one: before a sort epoch.
+void note_displacements(World& w);
 void prepare_skins(World& w);                           ///< before the skins of a rebuild are set
 void travel_chunk(World& w, Chunk& c);                  ///< after the drift of a chunk, for policies with an own check
 void note_travel(World& w);                             ///< once per step, after all chunks

@@ -106,13 +106,13 @@ void permute_rows(World& w) {
   const Row* old_row = w.sorted_row.data();
   const auto n = static_cast<std::size_t>(w.alive);
   const auto stride = static_cast<std::size_t>(w.stride);
-  // the narrow columns pass through x0: 8 + 1 + 1 + 2 of its 32 bytes per row
+  // the narrow columns pass through x0: 8 + 1 + 1 + 2 + 8 of its 32 bytes per row
   auto* buffer = reinterpret_cast<unsigned char*>(w.x0.data());
   struct Narrow {
     unsigned char *column, *copy;
     std::size_t width;
   };
-  std::array<Narrow, 4> narrow;
+  std::array<Narrow, 5> narrow;
   std::size_t columns = 0;
   const auto add = [&](auto& column) {
     const std::size_t width = sizeof column[0];
@@ -123,6 +123,7 @@ void permute_rows(World& w) {
   if (w.has.materials) add(w.material);
   if (w.has.fixed) add(w.fixed);
   if (w.has.groups) add(w.group);
+  if (w.frame.noted) add(w.next_skin);
   parallel(w, blocks.count, [&](int b) {
     const auto lo = static_cast<std::size_t>(blocks.from(b)), hi = static_cast<std::size_t>(blocks.to(b));
     for (std::size_t q = lo; q < hi; ++q) {

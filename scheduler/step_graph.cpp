@@ -235,6 +235,7 @@ void sort_step(World& w) {
   NodeTimer timer(w, w.serial, Node::sort_epoch);
   check_finite(w);
   w.tuner.interval_ends(w);
+  note_displacements(w);
   sort_epoch(w);
   rebuild_step(w, true);
 }

@@ -211,6 +211,7 @@ struct World {
   Column<std::uint8_t> fixed;     ///< only where something can be fixed
   Column<std::int16_t> group;     ///< only with groups
   Column<double> energy;          ///< [4 n] only with energies
+  Column<double> next_skin;       ///< only with list policy displacement_history [m]; -1: no past
   ParticleId next_id = 0;
   bool velocity_at_old_step = false;  ///< v2 holds v(n-3/2) of the same rows (for |a| in the skin)
 

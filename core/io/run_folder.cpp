@@ -36,7 +36,7 @@ bool known(const std::string& full) {
   std::string name = full;
   if (ends_with(name, ".tmp")) name.resize(name.size() - 4);
   for (const char* k : {"scene.toml", "particles.vtkhdf", "walls.vtkhdf", "contacts.vtkhdf", "series.csv",
-                        "summary.json", "report.html", "trace.json", "vtp", "failed.tcp", "failed.vtp"})
+                        "summary.json", "report.html", "trace.json", "vtp", "failed.tcp", "failed.vtp", "failed_near.csv"})
     if (name == k) return true;
   return checkpoint_step(name).has_value() || ends_with(name, ".pvd");
 }

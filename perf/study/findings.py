@@ -56,10 +56,11 @@ class Summary:
         broad, narrow = part(BROAD), part(NARROW)
         last = rows[-1]
         return {"point": last["point"], "series": last["series"], "value": last["value"], "repeats": len(rows), "wall_s": wall,
-                "wall_low_s": low, "wall_high_s": high, "broad_s": broad, "narrow_s": narrow, "model_s": total - broad - narrow,
+                "wall_low_s": low, "wall_high_s": high, "broad_s": broad, "rebuild_s": part(("rebuild",)), "narrow_s": narrow, "model_s": total - broad - narrow,
                 "nodes_s": total, "steps": last["steps"], "rebuilds": last["rebuilds"],
                 "broad_percent": 100 * last["rebuilds"] / last["steps"], "pairs_per_contact":
-                last["candidates"] / max(last["contacts"], 1), "few_intervals": last["rebuilds"] < ENOUGH_INTERVALS}
+                last["candidates"] / max(last["contacts"], 1), "few_intervals": last["rebuilds"] < ENOUGH_INTERVALS,
+                "missed_contacts": last.get("missed_contacts")}
 
     def series(self, name):
         return sorted((p for p in self.points.values() if p["series"] == name), key=lambda p: p["value"])
@@ -106,6 +107,23 @@ class Summary:
             out |= {"default_s": default["wall_s"], "default_improvement": improvement(none["wall_s"], default["wall_s"]),
                     "overhead": 100 * (middle - 1), "overhead_low": 100 * (low - 1), "overhead_high": 100 * (high - 1)}
         return out
+
+
+def bounds(s):
+    """What policies that are not built could save at most, in percent of the time of the best exact point of the case.
+
+    partial: only the cells around violators are rebuilt; not more than all rebuilds. cells: a faster search by smaller
+    cells; not more than all rebuilds either. inner: outer and inner list; the inner one as tight as the tightest list of
+    the case (narrow phase of the cheapest point), the outer one for nothing: excess of the narrow phase and all rebuilds.
+    """
+    exact = [p for p in s.points.values() if p["series"] not in INEXACT]
+    if not exact:
+        return None
+    best = min(exact, key=lambda p: p["wall_s"])
+    tight = min(p["narrow_s"] for p in exact)
+    rebuild, excess = 100 * best["rebuild_s"] / best["wall_s"], 100 * (best["narrow_s"] - tight) / best["wall_s"]
+    return {"case": s.case.name, "best": best["point"], "wall_s": best["wall_s"], "rebuild_percent": rebuild, "narrow_excess_percent": excess,
+            "inner_percent": rebuild + excess}
 
 
 def paper_row(name):

@@ -13,8 +13,9 @@ import subprocess
 import sys
 import time
 
-from . import plan
+from . import findings, plan
 
+AUDITED = 300  # steps of the run that counts missed contacts
 QUIET = ["output.particles_every=0", "output.csv_every=0", "output.energies=false"]
 
 
@@ -154,11 +155,20 @@ class Study:
         self.took[case.name, point.name] = elapsed
         nodes = {n["name"]: n["seconds"] for n in s["nodes"]}
         calls = {n["name"]: n["calls"] for n in s["nodes"]}
-        return {"key": key, "case": case.name, "point": point.name, "series": point.series, "value": point.value, "repeat": repeat,
+        missed = self.missed(case, point, first, checkpoint) if point.series in findings.INEXACT else None
+        return {"key": key, "case": case.name, "missed_contacts": missed, "point": point.name, "series": point.series, "value": point.value, "repeat": repeat,
                 "steps": steps, "wall_s": s["wall_s"], "nodes": nodes, "rebuilds": calls.get("rebuild", 0), "elapsed_s": elapsed,
                 "sort_epochs": calls.get("sort_epoch", 0), "candidates": s["candidate_pairs"], "contacts": s["contacts"],
                 "particles": s["particles"], "state_hash": s["state_hash"], "shortest_interval": s["shortest_interval"],
                 "threads": s["threads"], "isa": s["isa"], "version": s["version"], "load": os.getloadavg()[0]}
+
+    def missed(self, case, point, first, checkpoint):
+        """Contacts that an inexact policy misses in AUDITED steps, counted by an untimed run that checks every step."""
+        say(f"{case.name}: {point.name}, counting missed contacts in {AUDITED} steps")
+        out = self.check([self.args.talus, "run", self.scene(case), "--resume", checkpoint, "--out", os.path.join(self.args.out, "audit"),
+                          "--overwrite", "--quiet", "--json", "--audit", "--threads", str(self.args.threads), "--steps", str(first + AUDITED),
+                          *sets(self.overrides(case) + list(point.sets))])
+        return json.loads(out[out.index("{"):])["missed_contacts"]
 
     def record(self, row):
         self.runs[row["key"]] = row

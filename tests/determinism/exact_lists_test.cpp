@@ -176,7 +176,8 @@ std::string policy_name(const testing::TestParamInfo<ListPolicy>& info) { return
 INSTANTIATE_TEST_SUITE_P(Policies, Lists,
                          testing::Values(ListPolicy::always, ListPolicy::paper, ListPolicy::local, ListPolicy::uniform,
                                          ListPolicy::two_largest, ListPolicy::accumulated, ListPolicy::global_velocity,
-                                         ListPolicy::neighbourhood, ListPolicy::mean_subtracted),
+                                         ListPolicy::neighbourhood, ListPolicy::mean_subtracted,
+                                         ListPolicy::displacement_history),
                          policy_name);
 
 }  // namespace

@@ -113,6 +113,45 @@ TEST(Policies, MeanSubtractedHoldsWallContactsWhileTheCrowdFallsOnThem) {
   EXPECT_EQ(o.hash, outcome(Variant{ListPolicy::always, 0, 1, 128, Isa::automatic}.apply(scene), 1500).hash);
 }
 
+// Grains that shake to and fro are slow at every turn: a skin from the speed of the moment is short there, one from
+// what was travelled is not. A crystal of touching grains, each between its neighbours. The memory has to live through
+// sort epochs: with one every 30 steps a rule that forgets would be back at the speed of the moment in each list.
+TEST(Policies, DisplacementHistoryKeepsTheSkinsOfWhatShakesAlsoThroughSortEpochs) {
+  const auto rebuilds = [](const char* policy, std::int64_t sort_every) {
+    Scene s = crowd(k_periodic, {},
+                    std::string("policy = \"") + policy + "\"\nverlet_k = 50\nfloor = 0\nacceleration = false\n");
+    const double side = 0.10000001;  // ten diameters and a little, so that ten fit
+    s.domain.upper = {side, side, side};
+    Source& crystal = s.sources[0];
+    crystal.kind = Source::Kind::lattice;
+    crystal.spacing = 1;
+    crystal.number = 1000;
+    crystal.velocity_jitter = 0.02;
+    crystal.region.lower = {0, 0, 0};
+    crystal.region.upper = {side, side, side};
+    s.sort_every = sort_every;
+    return static_cast<double>(outcome(s, 1000).counters.rebuilds_skin);
+  };
+  const double speed = rebuilds("local", 2000), history = rebuilds("displacement_history", 2000);
+  const double speed_epochs = rebuilds("local", 30), history_epochs = rebuilds("displacement_history", 30);
+  std::printf("rebuilds: by speed %g, by history %g; with sort epochs %g and %g\n", speed, history, speed_epochs,
+              history_epochs);
+  EXPECT_GT(history, 10);
+  EXPECT_LT(1.1 * history, speed);
+  EXPECT_LT(1.5 * history_epochs, speed_epochs);
+}
+
+TEST(Policies, OnlyDisplacementHistoryKeepsAMemory) {
+  const auto bytes = [](const char* policy) {
+    const Simulation s(crowd(k_periodic, {}, std::string("policy = \"") + policy + "\"\n"), RunOptions{});
+    for (const auto& a : s.plan().arrays)
+      if (a.name == "next skin") return a.in ? a.bytes_per_particle : 0.0;
+    return -1.0;
+  };
+  EXPECT_EQ(bytes("local"), 0);
+  EXPECT_EQ(bytes("displacement_history"), 8);
+}
+
 TEST(Policies, FixedIntervalMissesContactsAndTheAuditCountsThem) {
   const auto missed = [](int interval) {
     char list[96];
