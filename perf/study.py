@@ -102,7 +102,7 @@ def main():
         return 1
     summaries = [findings.Summary(c, runs) for c in study.cases]
     facts = {"complete": complete, "steps": args.steps or study.cases[0].steps, "warm": args.warm, "threads": runs[-1]["threads"], "repeats": args.repeats,
-             "version": runs[-1]["version"], "isa": runs[-1]["isa"], "cpu": cpu_name(), "load": max(r["load"] for r in runs)}
+             "version": runs[-1]["version"], "isa": runs[-1]["isa"], "cpu": cpu_name(), "load": max(r["load"] for r in runs), "failures": study.failures}
     verdicts = {p: findings.verdicts(summaries, p) for p in plan.SWEPT}
     page.write(args.out, summaries, facts)
     page.write_csv(os.path.join(args.out, "study.csv"), summaries)

@@ -50,6 +50,7 @@ def introduction(facts, some):
             "bootstrap intervals of the median; overheads are medians of ratios within one repeat. Broad-phase means the nodes displacement_check, rebuild and "
             "sort_epoch, narrow-phase the node narrow_phase, models all the rest (contact and wall forces, integration). "
             "A sort epoch (every 1000 steps by default) forces a rebuild, so no list lives longer, whatever K is.</p>"
+            + "".join(f"<p class=no>Stopped by its own physics: {html.escape(f)}</p>" for f in facts["failures"]) +
             f"<p class=small>Talus {html.escape(facts['version'])}, {html.escape(facts['isa'])}, {html.escape(facts['cpu'])}; highest load average seen {facts['load']:.1f}."
             + (f" Fewer than {findings.ENOUGH_INTERVALS} rebuilds were measured in: {html.escape(', '.join(few))}." if few else "") + "</p>")
 

@@ -15,6 +15,7 @@ import time
 
 from . import findings, plan
 
+PHYSICS = 4     # exit code of a run that its physics stopped
 AUDITED = 300  # steps of the run that counts missed contacts
 QUIET = ["output.particles_every=0", "output.csv_every=0", "output.energies=false"]
 
@@ -52,7 +53,7 @@ class Study:
                         continue  # the last line of a killed call
                     self.runs[row["key"]] = row
         self.begin = time.monotonic()
-        self.wanted = []
+        self.wanted, self.failures = [], []
         self.took = {}  # (case, point) -> seconds of the last run including start-up
 
     # ---- states ----
@@ -128,7 +129,11 @@ class Study:
                 say(f"budget of {self.args.budget:g} s spent, {len(todo) - i} runs are left (about {left:.0f} s): call again")
                 return False
             say(f"[{done_before + i + 1}/{len(tasks)}, {left:.0f} s left] {case.name}: {point.name}, repeat {repeat + 1}")
-            self.record(self.one(case, point, repeat, key, first, checkpoint))
+            row = self.one(case, point, repeat, key, first, checkpoint)
+            if row is None:
+                self.wanted.remove(key)  # an inexact list let the run fail: a result, told on the page, without a time
+            else:
+                self.record(row)
         return True
 
     def guess(self, case, point):
@@ -149,6 +154,11 @@ class Study:
         begin = time.monotonic()
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
         elapsed = time.monotonic() - begin
+        if done.returncode == PHYSICS and point.series in findings.INEXACT:
+            last = next((line for line in done.stderr.splitlines() if "error:" in line), "")
+            self.failures.append(f"{case.name}, {point.name}: {last}")
+            say(self.failures[-1])
+            return None
         if done.returncode:
             raise Failed(f"{shlex.join(command)}: exit code {done.returncode}\n{done.stderr[-2000:]}")
         s = json.loads(done.stdout[done.stdout.index("{"):])
@@ -165,10 +175,17 @@ class Study:
     def missed(self, case, point, first, checkpoint):
         """Contacts that an inexact policy misses in AUDITED steps, counted by an untimed run that checks every step."""
         say(f"{case.name}: {point.name}, counting missed contacts in {AUDITED} steps")
-        out = self.check([self.args.talus, "run", self.scene(case), "--resume", checkpoint, "--out", os.path.join(self.args.out, "audit"),
+        out = self.output([self.args.talus, "run", self.scene(case), "--resume", checkpoint, "--out", os.path.join(self.args.out, "audit"),
                           "--overwrite", "--quiet", "--json", "--audit", "--threads", str(self.args.threads), "--steps", str(first + AUDITED),
                           *sets(self.overrides(case) + list(point.sets))])
         return json.loads(out[out.index("{"):])["missed_contacts"]
+
+    @staticmethod
+    def output(command):
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
+        if done.returncode not in (0, PHYSICS) or "{" not in done.stdout:
+            raise Failed(f"{shlex.join(command)}: exit code {done.returncode}\n{done.stderr[-2000:]}")
+        return done.stdout
 
     def record(self, row):
         self.runs[row["key"]] = row
