@@ -118,8 +118,8 @@ TEST(Policies, MeanSubtractedHoldsWallContactsWhileTheCrowdFallsOnThem) {
 // sort epochs: with one every 30 steps a rule that forgets would be back at the speed of the moment in each list.
 TEST(Policies, DisplacementHistoryKeepsTheSkinsOfWhatShakesAlsoThroughSortEpochs) {
   const auto rebuilds = [](const char* policy, std::int64_t sort_every) {
-    Scene s = crowd(k_periodic, {},
-                    std::string("policy = \"") + policy + "\"\nverlet_k = 50\nfloor = 0\nacceleration = false\n");
+    Scene s = crowd(k_periodic, {}, std::string("policy = \"") + policy + "\"\nfloor = 0\nacceleration = false\n");
+    s.list.verlet_k = 50;
     const double side = 0.10000001;  // ten diameters and a little, so that ten fit
     s.domain.upper = {side, side, side};
     Source& crystal = s.sources[0];
