@@ -20,7 +20,7 @@ SWEPT = ["paper", "local"]
 ONE_SKIN = ("two_largest", "accumulated")
 OTHER_K, OTHER_SKINS = [50, 200], [0.25, 0.1]
 FIXED_INTERVAL, FIXED_SKIN = 10, 0.1  # 50 steps made grains meet unseen until the run stopped (hopper)
-QUICK_STEPS, QUICK_WARM, QUICK_REPEATS = 1500, 200, 2  # lists of the small cases live 20 to 60 steps at K = 200
+QUICK_STEPS, QUICK_WARM, QUICK_REPEATS = 1000, 200, 2  # lists of the small cases live 20 to 60 steps at K = 200
 
 
 @dataclass(frozen=True)
