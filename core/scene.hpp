@@ -22,6 +22,7 @@ enum class Rolling : std::uint8_t { none, cdt, epsd };
 enum class Cohesion : std::uint8_t { none, sjkr };
 enum class Dashpot : std::uint8_t { centred, lagged };
 enum class Lever : std::uint8_t { contact, radius };
+enum class Sliding : std::uint8_t { bounded, balanced };
 enum class Integrator : std::uint8_t { velocity_verlet, leapfrog };
 /// exact: the same bits on every instruction set. fast: fused multiply-add and estimated reciprocals; the bits depend on
 /// the instruction set, and on nothing else.
@@ -83,6 +84,7 @@ struct ContactLaw {
   bool onset_correction = true;       ///< weigh the linear dashpot by the touching fraction of the first and last step
   bool synchronised = true;           ///< tangential history in the mid-step frame (VERIFICATION 3.8)
   Lever lever = Lever::contact;
+  Sliding sliding = Sliding::bounded;  ///< linear: what the spring of a sliding contact keeps (kernels/models/linear.hpp)
   Rolling rolling = Rolling::none;     ///< needs friction (grains must rotate)
   bool twisting = false;               ///< some pair has twisting friction; needs friction
   Cohesion cohesion = Cohesion::none;  ///< on top of linear or Hertz

@@ -66,6 +66,7 @@ struct LawArgs {
   double dt;                    ///< [s]
   int by_restitution;           ///< linear: damping follows restitution
   int centred, onset, synchronised, contact_lever;
+  int balanced;  ///< linear: the spring of a sliding contact takes the scaled force less the dashpot
 };
 
 struct GatherArgs {

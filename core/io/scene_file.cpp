@@ -150,6 +150,7 @@ void read_contact(const SceneTable& r, const std::vector<SceneTable>& pairs, con
   c.model = r.choice<ContactModel>("model");
   c.dashpot = r.choice<Dashpot>("dashpot");
   c.lever = r.choice<Lever>("lever");
+  c.sliding = r.choice<Sliding>("sliding");
   c.onset_correction = r.boolean("onset_correction");
   c.synchronised = r.boolean("synchronised");
 

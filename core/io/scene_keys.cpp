@@ -107,6 +107,10 @@ constexpr SceneKey k_keys[] = {
     {"contact", "lever", T::choice, "", 0, 0, false, "contact|radius", "\"contact\"", "",
      "lever of the tangential force: to the contact point (conserves angular momentum) or the full radius",
      "\"radius\""},
+    {"contact", "sliding", T::choice, "", 0, 0, false, "bounded|balanced", "\"bounded\"", "model=linear",
+     "spring of a sliding contact: what the dashpot leaves of the limit, at least nothing, or the scaled force less the "
+     "dashpot (may load the spring backwards, as LAMMPS)",
+     "\"balanced\""},
     {"contact", "rolling", T::choice, "", 0, 0, false, "none|cdt|epsd", "\"none\"", "",
      "rolling resistance; cdt: constant moment against the spin; epsd: spring, dashpot and slider (rests without creep)",
      "\"epsd\""},

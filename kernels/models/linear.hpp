@@ -7,8 +7,9 @@
 // (1/2 + delta/(|v_n| dt)) instead of 1; without it restitution has an error of order dt that depends on the phase.
 // The tangential spring too starts at the instant of touch: in that step it moves for delta/|v_n| instead of dt,
 // without which every sticking contact carries half a step's slip too much (tests/verification/order_test.cpp).
-// Sliding: the spring is set to max(0, limit - dashpot) along the force, so that it never stores energy that the
-// dashpot put into it.
+// Sliding `bounded`: the spring is set to max(0, limit - dashpot) along the force, so that it never stores energy that
+// the dashpot put into it. `balanced`: to the scaled force less the dashpot, as vectors, which may load it backwards
+// (LAMMPS).
 // History: 3 columns, the tangential spring xi [m], oriented i - j.
 // Reads kn, kt [N/m], gn, gt [1/s] (or 2 beta [-] with by_restitution), mu.
 #pragma once
@@ -169,12 +170,15 @@ void force(Linear, Block& block, const LawArgs& args) {
       const B inv_g = over_root<S>(one, g2), along = ((g[0] * t[0] + g[1] * t[1]) + g[2] * t[2]) * inv_g;
       const B spring = limit + (gm * f.shrink_t) * along;
       const B scale = S::select(slides, limit * inv_g, one);
-      const B keep = (S::select(S::gt(spring, zero), spring, zero) * inv_g) * f.back;
-      for (int p = 0; p < 3; ++p) {
-        h[p] = S::select(slides, zero - g[p] * keep, h[p]);
-        g[p] = g[p] * scale;
+      if (a.balanced == 0) {
+        const B keep = (S::select(S::gt(spring, zero), spring, zero) * inv_g) * f.back;
+        for (int p = 0; p < 3; ++p) h[p] = S::select(slides, zero - g[p] * keep, h[p]);
+      } else {
+        const B dashpot = gm * f.shrink_t;
+        for (int p = 0; p < 3; ++p) h[p] = S::select(slides, zero - (g[p] * scale + dashpot * t[p]) * f.back, h[p]);
       }
-      if constexpr (Energy) {
+      for (int p = 0; p < 3; ++p) g[p] = g[p] * scale;
+      if (Energy && a.balanced == 0) {
         // where the limit caps the dashpot itself: the mean of the forces before and after the step counts
         B last = zero;
         for (int p = 0; p < 3; ++p) last = last + S::abs(trial[p] - t[p] * slid);
