@@ -30,6 +30,7 @@ struct WallLoad {
 /// Energies at step n [J]; the balance residual is (kinetic + potential + elastic + dissipated - work - inserted) -
 /// its value at the start.
 struct Energies {
+  /// Potential: along periodic axes minus the work of gravity since the start, elsewhere by height.
   double kinetic_translation = 0, kinetic_rotation = 0, potential = 0, elastic = 0;
   double dissipated_damping = 0, dissipated_friction = 0, dissipated_background = 0;
   double wall_work = 0;         ///< done by moving walls and driven particles on the grains

@@ -83,11 +83,14 @@ struct Limits {
 /// What the packing limit loses. Tangential springs: the stiffest mode of an fcc packing has omega^2 = (7.9 + 12.5
 /// k_t/k_n) k/m, from the measured limits 0.71 and 0.59 sqrt(m/k) without and with k_t = 2/7 k_n. Damping: an explicit
 /// dashpot of damping ratio z lowers the limit by sqrt(1 + z^2) - z; the ratio of that mode is sqrt(omega^2 /
-/// omega_pair^2) = 2.4 times the pair's.
-double packing_share(double stiffness_ratio, double damping_ratio) {
+/// omega_pair^2) = 2.4 times the pair's. The centred dashpot takes the forces of other contacts from the last step.
+/// With L = 2.4^2 times the pair's stiffness the mode u' = u + L f, f (1 + g/2) = -(kappa x + g u + g/2 (L - 1)
+/// f_last), g = gamma dt, turns unstable (z = -1) at omega^2 dt^2/4 + g (L - 1) = 1: as an explicit dashpot of ratio 2
+/// (1 - 1/L) z.
+double packing_share(double stiffness_ratio, double damping_ratio, Dashpot dashpot) {
   const double stiff =
       stiffness_ratio > 2.0 / 7.0 ? std::sqrt((7.9 + 12.5 * 2.0 / 7.0) / (7.9 + 12.5 * stiffness_ratio)) : 1;
-  const double z = 2.4 * damping_ratio;
+  const double z = (dashpot == Dashpot::centred ? 2 * (2.4 - 1 / 2.4) : 2.4) * damping_ratio;
   return k_packing_share * stiff * (std::sqrt(1 + z * z) - z);
 }
 
@@ -137,7 +140,8 @@ Limits limits_of(const Scene& scene, const Contact& c, double velocity) {
     // t_c = pi / sqrt(k/m - (g/2)^2); an overdamped contact never rebounds, its undamped time is the scale
     const double contact = pi / (omega * (z < 1 ? std::sqrt(1 - z * z) : 1));
     const double kt = scene.contact.friction ? scene.contact.tangential_stiffness / stiffness : 0;
-    return {contact, fmin2(2 / omega, spin_limit(scene, k, stiffness, r, spins)), packing_share(kt, z)};
+    return {contact, fmin2(2 / omega, spin_limit(scene, k, stiffness, r, spins)),
+            packing_share(kt, z, scene.contact.dashpot)};
   }
   const double e_star = 1 / ((1 - a.poisson * a.poisson) / a.young + (1 - b.poisson * b.poisson) / b.young);
   const double g_star =
@@ -159,7 +163,7 @@ Limits limits_of(const Scene& scene, const Contact& c, double velocity) {
   // sqrt(delta)
   const double z = std::sqrt(5.0 / 6.0) * ratio_of_e;
   return {contact, fmin2(2 / omega, spin_limit(scene, k, 2 * e_star * radius, r, spins)),
-          packing_share(scene.contact.friction ? 4 * g_star / e_star : 0, z)};
+          packing_share(scene.contact.friction ? 4 * g_star / e_star : 0, z, scene.contact.dashpot)};
 }
 
 double rayleigh(const Material& m, double r) {

@@ -1,6 +1,7 @@
 // Run-time choice of the instruction set and coefficients of the contact laws.
 #include "kernels/kernel_table.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "core/det_math.hpp"
@@ -154,6 +155,12 @@ std::vector<PairParameters> pair_parameters(const Scene& scene) {
   return out;
 }
 
+bool recalls(const Scene& scene) {
+  if (scene.contact.dashpot != Dashpot::centred) return false;
+  const auto all = pair_parameters(scene);
+  return std::any_of(all.begin(), all.end(), [](const PairParameters& p) { return p.gn != 0; });
+}
+
 std::vector<AddOnParameters> add_on_parameters(const Scene& scene) {
   std::vector<AddOnParameters> out;
   for (const PairCoefficients& c : scene.pairs) {
@@ -176,7 +183,7 @@ MomentArgs moment_args(const Scene& scene) {
   a.twisting = scene.contact.twisting ? 1 : 0;
   const bool springs = scene.contact.rolling == Rolling::epsd || scene.contact.twisting;
   a.rescale = scene.contact.model != ContactModel::linear && springs ? 1 : 0;
-  a.centred = scene.contact.dashpot == Dashpot::centred ? 1 : 0;
+  a.centred = scene.contact.dashpot != Dashpot::lagged ? 1 : 0;
   return a;
 }
 

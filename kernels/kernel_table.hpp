@@ -14,7 +14,7 @@ struct LawInfo {
   ContactModel model;
   const char* name;
   int slot;     ///< first of its eight variants in KernelTable::law
-  int history;  ///< columns with friction (none without)
+  int history;  ///< columns with friction (none without), beside that of recalls()
   bool wants_reff;
 };
 const LawInfo& law_info(ContactModel model);
@@ -36,6 +36,8 @@ Isa parse_isa(const std::string& name);
 
 /// Coefficients of every material pair of the scene as its law reads them (set-up is trajectory code: det_math).
 std::vector<PairParameters> pair_parameters(const Scene& scene);
+/// Whether contacts keep the velocity that the centred dashpot predicts for the pair alone: the last column of the law.
+bool recalls(const Scene& scene);
 /// What is added to the law, per material pair: rolling, twisting, cohesion.
 std::vector<AddOnParameters> add_on_parameters(const Scene& scene);
 /// Arguments of KernelTable::moments but for the coefficients, and the history columns that rolling and twisting need.

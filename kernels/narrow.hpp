@@ -134,10 +134,14 @@ void narrow(NarrowArgs& a) {
   switch (a.history) {
     case 0:
       return narrow_slots<S, 0>(a);
+    case 1:
+      return narrow_slots<S, 1>(a);
     case 3:
       return narrow_slots<S, 3>(a);
-    default:
+    case 4:
       return narrow_slots<S, 4>(a);
+    default:
+      return narrow_slots<S, 5>(a);
   }
 }
 

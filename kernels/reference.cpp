@@ -35,6 +35,18 @@ Kinematics kinematics(const Pair& p, const LawArgs& a) {
   return k;
 }
 
+/// Relative normal velocity at n without the pair's own force. `spring`: elastic normal force.
+double dashpot_velocity(const Pair& p, const Kinematics& k, const LawArgs& a, double spring, double predicted) {
+  if (a.recall == 0) return k.vn;
+  if (predicted == 0) {
+    const bool touched_now = k.delta < -k.vn * a.dt;
+    return touched_now ? k.vn : k.vn - 0.5 * a.dt * spring / k.meff;
+  }
+  const Vec3 v = p.vi - p.vj;
+  const double turned = a.synchronised != 0 ? a.dt * (dot(v, v) - k.vn * k.vn) / k.d : 0;
+  return k.vn + 0.5 * (k.vn - predicted - turned);
+}
+
 Result assemble(const Pair& p, const Kinematics& k, double fn, Vec3 ft) {
   Result r;
   r.force = fn * k.n + ft;
@@ -45,15 +57,19 @@ Result assemble(const Pair& p, const Kinematics& k, double fn, Vec3 ft) {
 
 }  // namespace
 
-Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& xi) {
+Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& xi, double& predicted) {
   const Kinematics k = kinematics(p, a);
   const double scale = a.by_restitution != 0 ? std::sqrt(c.kn / k.meff) : 1;
   const double gamma_t = c.gt;
   double gamma_n = c.gn * scale;
-  if (a.centred != 0 && a.onset != 0 && k.delta < std::abs(k.vn) * a.dt)
-    gamma_n *= 0.5 + k.delta / (std::abs(k.vn) * a.dt);
-  double fn = c.kn * k.delta - gamma_n * k.meff * k.vn;
+  const bool brief = a.centred != 0 && a.onset != 0 && k.delta < std::abs(k.vn) * a.dt;
+  if (brief) {
+    const bool counted = a.recall != 0 && predicted == 0 && k.vn > 0;  // by the step before, which foresaw the end
+    gamma_n *= counted ? 0 : 0.5 + k.delta / (std::abs(k.vn) * a.dt);
+  }
+  double fn = c.kn * k.delta - gamma_n * k.meff * dashpot_velocity(p, k, a, c.kn * k.delta, predicted);
   if (a.centred != 0) fn /= 1 + 0.5 * a.dt * gamma_n;
+  predicted = brief && k.vn > 0 ? 0 : k.vn + a.dt * fn / k.meff;
   if (!friction) return assemble(p, k, fn, {});
   // in the step in which they touch, the spheres have slid past each other only since then
   const bool touched_now = a.centred != 0 && a.onset != 0 && k.vn < 0 && k.delta < -k.vn * a.dt;
@@ -65,19 +81,23 @@ Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool fri
     const Vec3 along = (1 / size) * ft;
     const double spring = std::max(0.0, limit + (shrink * gamma_t * k.meff) * dot(k.vt, along));
     ft = limit * along;
-    xi = (-spring / (c.kt * shrink)) * along;
+    if (a.balanced != 0)
+      xi = (-1 / (c.kt * shrink)) * (ft + (shrink * gamma_t * k.meff) * k.vt);
+    else
+      xi = (-spring / (c.kt * shrink)) * along;
   }
   return assemble(p, k, fn, ft);
 }
 
-Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& ft,
-                     double& radius) {
+Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& ft, double& radius,
+                     double& predicted) {
   const Kinematics k = kinematics(p, a);
   const double reff = p.rj > 0 ? p.ri * p.rj / (p.ri + p.rj) : p.ri;
   const double contact = std::sqrt(reff * k.delta), sn = c.kn * contact, st = c.kt * contact;
   const double cn = c.gn * std::sqrt(k.meff * sn), ct = c.gt * std::sqrt(k.meff * st);
-  double fn = sn * k.delta - cn * k.vn;
+  double fn = sn * k.delta - cn * dashpot_velocity(p, k, a, sn * k.delta, predicted);
   if (a.centred != 0) fn /= 1 + 0.5 * a.dt * cn / k.meff;
+  predicted = k.vn + a.dt * fn / k.meff;
   if (!friction) return assemble(p, k, fn, {});
   ft = ft - dot(ft, k.n) * k.n;
   if (contact < radius) ft = (contact / radius) * ft;

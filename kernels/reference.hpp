@@ -21,12 +21,14 @@ struct Result {
   Vec3 torque_i, torque_j;  ///< [N m]
 };
 
-/// Linear spring-dashpot with friction (kernels/models/linear.hpp); `xi` is the tangential spring [m], updated.
-Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& xi);
+/// Linear spring-dashpot with friction (kernels/models/linear.hpp); `xi` is the tangential spring [m], `predicted` the
+/// velocity that the last step predicts for the pair alone [m/s] where a.recall is set; both are updated.
+Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& xi, double& predicted);
 
 /// Hertz-Mindlin (kernels/models/hertz_mindlin.hpp); `ft` is the elastic tangential force [N], `radius` the last
-/// contact radius [m], both updated.
-Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& ft, double& radius);
+/// contact radius [m], both updated; `predicted` as above.
+Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& ft, double& radius,
+                     double& predicted);
 
 /// History of rolling and twisting (kernels/models/moments.hpp), oriented from j to i.
 struct MomentHistory {

@@ -8,7 +8,7 @@ namespace talus {
 
 inline constexpr int k_block = 128;      ///< contacts per L1 block (DESIGN 2.4)
 inline constexpr int k_pad = 16;         ///< slack behind every per-contact array
-inline constexpr int k_max_history = 4;  ///< history columns of the widest law
+inline constexpr int k_max_history = 5;  ///< history columns of the widest law
 inline constexpr int k_max_moment = 5;   ///< history columns of rolling and twisting, behind those of the law
 inline constexpr int k_max_columns = k_max_history + k_max_moment;
 
@@ -65,7 +65,9 @@ struct LawArgs {
   const PairParameters* table;  ///< several materials: [pair index]
   double dt;                    ///< [s]
   int by_restitution;           ///< linear: damping follows restitution
-  int centred, onset, synchronised, contact_lever;
+  int centred;                  ///< dashpot: velocity at n, not that of n-1/2
+  int recall;                   ///< centred: the last history column is the velocity predicted for the pair alone
+  int onset, synchronised, contact_lever;
   int balanced;  ///< linear: the spring of a sliding contact takes the scaled force less the dashpot
 };
 

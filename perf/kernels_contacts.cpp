@@ -172,7 +172,7 @@ void run_law(benchmark::State& state, const KernelTable& t, const LawCase& law) 
   std::memcpy(run.g, kept.g, sizeof run.g);
   std::fill(run.reff, run.reff + k_block, 0.25);
   alignas(64) double history[k_max_history][k_block + k_pad] = {};
-  for (int k = 0; k < std::min(info.history, b.w.has.history_columns); ++k)
+  for (int k = 0; k < std::min(k_max_history, b.w.has.history_columns); ++k)
     std::copy_n(c.h[k].data(), k_block, history[k]);
   Block block{};
   block.n = block_size(c, 0);
@@ -201,8 +201,9 @@ void run_law(benchmark::State& state, const KernelTable& t, const LawCase& law) 
   const double copy = (now_ns() - begin) / repeats / block.n;
   const int index = law_index(info, law.friction, law.multi, law.energy);
   // in: distance and what follows from it, motion, history; out: force rows, history, energies. All of it in L1
-  const double lanes = 8 + (law.friction ? 8 + 7 : 4 + 4) + 2.0 * (law.friction ? info.history : 0) +
-                       (info.wants_reff ? 1 : 0) + (law.energy ? 3 : 0) + (law.multi ? 0.5 : 0);
+  const double lanes = 8 + (law.friction ? 8 + 7 : 4 + 4) +
+                       2.0 * ((law.friction ? info.history : 0) + b.w.law_args.recall) + (info.wants_reff ? 1 : 0) +
+                       (law.energy ? 3 : 0) + (law.multi ? 0.5 : 0);
   measure(
       state, t, {law.name(), static_cast<double>(block.n), 8 * lanes},
       [&](const KernelTable& k) {

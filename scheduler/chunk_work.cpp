@@ -85,6 +85,18 @@ void find_deep(const World& w, Chunk& c, std::int64_t k0, int n) {
   }
 }
 
+/// What the drive of rows without a free mass puts into the step: it holds their velocity against the contacts.
+void driven_work(World& w, const Chunk& c) {
+  const double* f = c.scratch->f.data();
+  for (Row i = c.lo; i < c.hi; ++i, f += w.stride) {
+    const double* v = w.v.data() + static_cast<long>(w.stride) * i;
+    if (v[w.stride - 1] != 0 || !w.is_alive(i)) continue;
+    double power = (f[0] * v[0] + f[1] * v[1]) + f[2] * v[2];
+    if (w.has.rotation) power += (f[4] * v[4] + f[5] * v[5]) + f[6] * v[6];
+    w.energy[4L * i + 3] = -w.scene.dt * power;
+  }
+}
+
 inline constexpr std::size_t k_streamed_bytes = std::size_t{64} << 20;  ///< of both copies of all rows
 
 }  // namespace
@@ -381,6 +393,7 @@ void integrate_chunk(World& w, Chunk& c) {
     return;
   }
   if (w.has.moments) fold_moments(w, c);
+  if (w.has.energies && w.has.fixed) driven_work(w, c);
   IntegrateArgs a{};
   a.lo = c.lo;
   a.hi = c.hi;

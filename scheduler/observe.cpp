@@ -121,10 +121,11 @@ Energies energies_of(const World& w) {
   };
   e.kinetic_translation = sum_rows(w, [&](Row i) { return 0.5 * w.mass(i) * mean2(i, 0); });
   if (w.has.rotation) e.kinetic_rotation = sum_rows(w, [&](Row i) { return 0.2 * w.mass(i) * mean2(i, 4); });
-  e.potential = -sum_rows(w, [&](Row i) {
+  const Vec3 weight = w.gravity_along(false);
+  e.potential = -w.gravity_work - sum_rows(w, [&](Row i) {
     const double* x = w.p2.data() + 4L * i;
     const bool free = w.v[static_cast<long>(w.stride) * i + w.stride - 1] > 0;
-    return free ? w.mass(i) * dot(w.gravity, Vec3{x[0], x[1], x[2]} + w.scene.domain.lower) : 0.0;
+    return free ? w.mass(i) * dot(weight, Vec3{x[0], x[1], x[2]} + w.scene.domain.lower) : 0.0;
   });
   e.elastic = sum_rows(w, [&](Row i) { return w.energy[4L * i]; });
   e.dissipated_damping = w.loss_damping;
@@ -363,7 +364,8 @@ Plan plan_of(const World& w) {
   array("pair list", true, lists / n, "rows of candidate pairs and touch bits");
   array("history", h.history_columns > 0, history / n,
         h.moment_columns > 0    ? "tangential, rolling and twisting springs of touching pairs"
-        : h.history_columns > 0 ? "tangential springs of touching pairs"
+        : h.rotation            ? "tangential springs of touching pairs"
+        : h.history_columns > 0 ? "predicted velocity of touching pairs"
                                 : "no friction, no history");
   array("moment rows", h.moments, 32, h.moments ? "rolling or twisting resistance" : "no rolling, no twisting");
   array("wall contacts", h.walls, walls / n, h.walls ? "candidates and history" : "no walls");

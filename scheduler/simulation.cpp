@@ -42,7 +42,8 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   w.law = &law_info(scene.contact.model);
   Features& h = w.has;
   h.rotation = scene.contact.friction;
-  h.history_columns = scene.contact.friction ? w.law->history : 0;
+  const bool recall = recalls(scene);
+  h.history_columns = (scene.contact.friction ? w.law->history : 0) + (recall ? 1 : 0);
   h.history = h.history_columns > 0;
   h.materials = scene.materials.size() > 1;
   h.reff = w.law->wants_reff;
@@ -70,7 +71,8 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   w.law_args.table = w.parameters.data();
   w.law_args.dt = scene.dt;
   w.law_args.by_restitution = scene.contact.by_restitution ? 1 : 0;
-  w.law_args.centred = scene.contact.dashpot == Dashpot::centred ? 1 : 0;
+  w.law_args.centred = scene.contact.dashpot != Dashpot::lagged ? 1 : 0;
+  w.law_args.recall = recall ? 1 : 0;
   w.law_args.onset = scene.contact.onset_correction ? 1 : 0;
   w.law_args.balanced = scene.contact.sliding == Sliding::balanced ? 1 : 0;
   w.law_args.synchronised = scene.contact.synchronised ? 1 : 0;
@@ -121,7 +123,8 @@ void choose_chunk(World& w) {
 
 struct Meta {
   std::int64_t step, next_event, next_id, n, stride, history, materials, inserted, removed;
-  double removed_mass, gravity[3], losses[3], wall_work, inserted_energy, start_energy, start_known, dt;
+  double removed_mass, gravity[3], losses[3], wall_work, drive_power, gravity_work, inserted_energy, start_energy,
+      start_known, dt;
 };
 
 /// Contacts without the columns that the scene does not have: pairs of rows, then the columns of each contact.
@@ -246,6 +249,8 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   w.loss_friction = m.losses[1];
   w.loss_background = m.losses[2];
   w.wall_work = m.wall_work;
+  w.drive_power = m.drive_power;
+  w.gravity_work = m.gravity_work;
   w.inserted_energy = m.inserted_energy;
   w.start_energy = m.start_energy;
   w.start_energy_known = m.start_known != 0;
@@ -362,6 +367,8 @@ void Simulation::save(CheckpointWriter& out) const {
   m.losses[1] = w.loss_friction;
   m.losses[2] = w.loss_background;
   m.wall_work = w.wall_work;
+  m.drive_power = w.drive_power;
+  m.gravity_work = w.gravity_work;
   m.inserted_energy = w.inserted_energy;
   m.start_energy = w.start_energy;
   m.start_known = w.start_energy_known ? 1 : 0;

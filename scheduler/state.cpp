@@ -18,6 +18,21 @@ double World::mass(Row i) const {
   return rho * (4.0 / 3.0 * det::k_pi) * (r * r * r);
 }
 
+Vec3 World::gravity_along(bool periodic) const {
+  Vec3 g = gravity;
+  for (int k = 0; k < 3; ++k)
+    if (scene.domain.periodic(k) != periodic) g[k] = 0;
+  return g;
+}
+
+double World::row_energy(Row i) const {
+  const double* u = v.data() + static_cast<long>(stride) * i;
+  const double m = mass(i);
+  double e = 0.5 * m * ((u[0] * u[0] + u[1] * u[1]) + u[2] * u[2]);
+  if (has.rotation) e += 0.2 * m * ((u[4] * u[4] + u[5] * u[5]) + u[6] * u[6]);
+  return u[stride - 1] > 0 ? e - m * dot(gravity_along(false), position(i)) : e;
+}
+
 Vec3 World::position(Row i) const {
   const double* x = p.data() + 4L * i;
   return Vec3{x[0], x[1], x[2]} + scene.domain.lower;
@@ -91,9 +106,9 @@ void append_particles(World& w, const NewParticles& a, bool at_start) {
       }
       r[w.stride - 1] = fixed ? 0.0 : 1.0 / m;
     }
-    if (w.has.energies && !at_start)
-      w.inserted_energy +=
-          0.5 * m * norm2(a.v[q]) - m * dot(w.gravity, a.x[q]) + 0.2 * m * a.r[q] * a.r[q] * norm2(a.w[q]);
+    if (w.has.energies && !at_start)  // at n; the row holds the velocity of half a step before
+      w.inserted_energy += 0.5 * m * norm2(a.v[q]) + 0.2 * m * a.r[q] * a.r[q] * norm2(a.w[q]) -
+                           (fixed ? 0 : m * dot(w.gravity_along(false), a.x[q]));
   }
   w.alive += static_cast<Row>(a.size());
 }
@@ -123,12 +138,7 @@ void remove_row(World& w, Row i) {
   w.counters.removed_mass += m;
   --w.alive;
   double* v = w.v.data() + static_cast<long>(w.stride) * i;
-  if (w.has.energies) {
-    const Vec3 x = w.position(i);
-    double e = 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) - m * dot(w.gravity, x);
-    if (w.has.rotation) e += 0.2 * m * (v[4] * v[4] + v[5] * v[5] + v[6] * v[6]);
-    w.inserted_energy -= e;
-  }
+  if (w.has.energies) w.inserted_energy -= w.row_energy(i);
   for (auto* p : {&w.p, &w.x0})
     for (int k = 0; k < 3; ++k) (*p)[4L * i + k] = k_gone;
   w.p[4L * i + 3] = 0;
@@ -203,7 +213,7 @@ std::uint64_t state_hash(const World& w) {
       const bool flip = w.id[e.a] > w.id[e.b];
       t.a = w.id[flip ? e.b : e.a];
       t.b = w.id[flip ? e.a : e.b];
-      for (int k = 0; k < w.has.law_columns; ++k) t.h[k] = flip && k < 3 ? -e.h[k] : e.h[k];
+      for (int k = 0; k < w.has.law_columns; ++k) t.h[k] = flip && w.flips(k) ? -e.h[k] : e.h[k];
       sum += XXH3_64bits(&t, sizeof t);
       if (w.has.moments) {
         double m[k_max_moment + 2] = {};

@@ -163,7 +163,15 @@ void insert_step(World& w) {
     const Event& e = w.scene.events[w.next_event];
     if (det::nearest(e.time / w.scene.dt) > w.step) break;
     if (e.action == Event::Action::gravity) {
+      double energy = 0;
+      if (w.has.energies)
+        for (Row i = 0; i < w.n; ++i)
+          if (w.is_alive(i)) energy -= w.row_energy(i);
       w.gravity = e.vector;
+      if (w.has.energies)
+        for (Row i = 0; i < w.n; ++i)
+          if (w.is_alive(i)) energy += w.row_energy(i);
+      w.inserted_energy += energy;
       continue;
     }
     for (Row i = 0; i < w.n; ++i) {
@@ -185,7 +193,7 @@ void insert_step(World& w) {
         if (!in) continue;
       }
       double* v = w.v.data() + static_cast<long>(w.stride) * i;
-      const double r = w.p[4L * i + 3];
+      const double r = w.p[4L * i + 3], energy = w.has.energies ? w.row_energy(i) : 0;
       const auto set_motion = [&](Vec3 velocity, Vec3 spin) {
         for (int k = 0; k < 3; ++k) v[k] = velocity[k];
         if (w.has.rotation)
@@ -216,6 +224,7 @@ void insert_step(World& w) {
         case Event::Action::gravity:
           break;
       }
+      if (w.has.energies && e.action != Event::Action::remove) w.inserted_energy += w.row_energy(i) - energy;
     }
   }
   if (w.has.insertion && w.insertion->next_step(w.step) == w.step) {
@@ -265,12 +274,21 @@ void finish_step(World& w) {
   if (w.has.energies) {
     NodeTimer timer(w, w.serial, Node::energy);
     // fixed blocks of 1024 rows in a fixed tree: independent of chunks and threads (I3)
-    double sum[4] = {0, 0, 0, 0};
+    // damping, friction, background, drive, gravity along periodic axes
+    double sum[6] = {};
+    const Vec3 pull = w.gravity_along(true);
+    const bool pulled = norm2(pull) > 0;
     for (Row b = 0; b < w.n; b += k_energy_block) {
-      double part[4] = {0, 0, 0, 0};
+      double part[6] = {};
       for (Row i = b; i < std::min<Row>(w.n, b + k_energy_block); ++i) {
         const double* e = w.energy.data() + 4L * i;
         for (int k = 1; k < 3; ++k) part[k] = part[k] + e[k];
+        part[4] = part[4] + e[3];
+        if (pulled && w.is_alive(i)) {
+          // v2 holds v(n-1/2) now: what gravity has done on the way from n-1 to n
+          const double* u = w.v2.data() + static_cast<long>(w.stride) * i;
+          if (u[w.stride - 1] > 0) part[5] += w.scene.dt * w.mass(i) * dot(pull, Vec3{u[0], u[1], u[2]});
+        }
         if (w.scene.viscous_damping != 0 && w.is_alive(i)) {
           const double *v = w.v.data() + static_cast<long>(w.stride) * i,
                        *u = w.v2.data() + static_cast<long>(w.stride) * i;
@@ -281,14 +299,19 @@ void finish_step(World& w) {
           if (v[w.stride - 1] > 0) part[3] += w.scene.viscous_damping * w.scene.dt * w.mass(i) * (q + 0.4 * rot);
         }
       }
-      for (int k = 1; k < 4; ++k) sum[k] = sum[k] + part[k];
+      for (int k = 1; k < 6; ++k) sum[k] = sum[k] + part[k];
     }
     w.loss_damping += sum[1];
     w.loss_friction += sum[2];
     w.loss_background += sum[3];
+    w.gravity_work += sum[5];
+    double power = sum[4];
     if (w.has.moving_walls)
       for (const auto& c : w.chunks)
-        for (const double power : c->wall_power) w.wall_work += power;
+        for (const double p : c->wall_power) power += p;
+    // energies hold at n: the trapezium rule over [n-1, n]
+    w.wall_work += 0.5 * (w.drive_power + power);
+    w.drive_power = power;
   }
   ++w.step;
   ++w.counters.steps;

@@ -72,7 +72,7 @@ enum class RebuildPart : int { skin, keys, sort, fill, search, history, walls, c
 struct WallState {
   Row row = 0;
   WallContact contact;
-  double h[k_max_history] = {0, 0, 0, 0};
+  double h[k_max_history] = {};
 };
 
 /// WallState with the history of rolling and twisting, as used by sort epochs, checkpoints and hashes.
@@ -83,7 +83,7 @@ struct WallEntry : WallState {
 /// One undirected contact (a < b), as used by sort epochs, checkpoints and hashes; history oriented a - b.
 struct ContactEntry {
   Row a = 0, b = 0;
-  double h[k_max_columns] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+  double h[k_max_columns] = {};
 };
 
 /// Per-execution buffers of one chunk between narrow phase and integration; pooled so that they stay in cache.
@@ -210,7 +210,7 @@ struct World {
   Column<std::uint8_t> material;  ///< only with several materials
   Column<std::uint8_t> fixed;     ///< only where something can be fixed
   Column<std::int16_t> group;     ///< only with groups
-  Column<double> energy;          ///< [4 n] only with energies
+  Column<double> energy;          ///< [4 n] only with energies: elastic, damping, friction, work of a driven row
   Column<double> next_skin;       ///< only with list policy displacement_history [m]; -1: no past
   ParticleId next_id = 0;
   bool velocity_at_old_step = false;  ///< v2 holds v(n-3/2) of the same rows (for |a| in the skin)
@@ -254,6 +254,8 @@ struct World {
   Counters counters;
   std::int64_t last_rebuild_step = 0;
   double loss_damping = 0, loss_friction = 0, loss_background = 0, wall_work = 0, inserted_energy = 0;
+  double drive_power = 0;   ///< of moving walls and driven grains at the last step, times dt [J]
+  double gravity_work = 0;  ///< along periodic axes, where a height means nothing
   double start_energy = 0;
   bool start_energy_known = false;
   std::atomic<bool> failed{false};
@@ -262,12 +264,17 @@ struct World {
   std::exception_ptr error;  ///< the failure of the lowest chunk
   bool lists_valid = false;  ///< false: the next check must rebuild whatever the skins say
 
-  double mass(Row i) const;  ///< [kg] from material and radius
+  double mass(Row i) const;                 ///< [kg] from material and radius
+  Vec3 gravity_along(bool periodic) const;  ///< its components along the periodic axes, or along the others
+  double row_energy(Row i) const;           ///< kinetic, and potential where the row is free [J]
   int pair_index(int a, int b) const { return a * static_cast<int>(scene.materials.size()) + b; }
   Vec3 position(Row i) const;  ///< absolute [m]
   bool is_alive(Row i) const { return p[4L * i] < 1e100; }
   /// History column q changes sign when the partners of a contact are swapped.
-  bool flips(int q) const { return q < has.law_columns ? q < 3 : ((moment_flips >> (q - has.law_columns)) & 1U) != 0; }
+  bool flips(int q) const {
+    if (q < has.law_columns) return has.rotation && q < 3;  // the tangential spring; scalars are the same for both
+    return ((moment_flips >> (q - has.law_columns)) & 1U) != 0;
+  }
 };
 
 /// Adds the time since construction or the last lap to a part of the rebuild.

@@ -6,7 +6,8 @@
 //   that of a while it shrinks (of the mean, rescaled from there to a: the same); dashpot sqrt(2/3) alpha sqrt(m_eff
 //   S_t) v_t, |F_t| <= mu max(F_n, 0)
 // hertz_tsuji differs only in alpha (the polynomial of Tsuji et al.), chosen at set-up.
-// History: 4 columns, the elastic tangential force on i [N] and the last contact radius [m].
+// History: with friction 4 columns, the elastic tangential force on i [N] and the last contact radius [m]; centred and
+// damped: one more, see dashpot_velocity() of the linear law.
 // Reads kn = 4/3 E* [Pa], kt = 8 G* [Pa], gn = alpha [-], gt = sqrt(2/3) alpha [-], mu; wants R*.
 #pragma once
 
@@ -36,6 +37,7 @@ TALUS_INLINE typename S::B adhesion_of(const Block& b, const LawArgs& a, int k) 
 template <class S, bool Friction, bool Multi, bool Energy, bool Adhesive>
 void hertz_force(Block& block, const LawArgs& args) {
   using B = typename S::B;
+  constexpr int k_recall = Friction ? HertzMindlin::history : 0;
   const LawArgs a = args;  // local copies: the stores below cannot alias them
   const Block b = block;
   const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt), hdt = S::set(0.5 * a.dt);
@@ -65,8 +67,13 @@ void hertz_force(Block& block, const LawArgs& args) {
       fn = sn * delta;
     }
     const B cn = c.gn * S::sqrt(sn / ms);  // [kg/s]
-    fn = fn - cn * vn;
+    MidNormal<S> mid_normal;
+    if (Friction || a.recall != 0) mid_normal.set(v, n, vn, inv, a.dt, a.synchronised);
+    B vd = vn;
+    if (a.recall != 0) vd = dashpot_velocity<S>(vn, mid_normal, S::load(b.h[k_recall] + k), fn, ms, delta, a.dt);
+    fn = fn - cn * vd;
     if (a.centred != 0) fn = fn / (one + hdt * (cn * ms));
+    if (a.recall != 0) S::store(b.h[k_recall] + k, vn + dt * (fn * ms));
     B f[3] = {fn * n[0], fn * n[1], fn * n[2]};
     B mid = one;  // dashpot at n-1/2 over that at n
     if constexpr (Energy) {
@@ -93,7 +100,7 @@ void hertz_force(Block& block, const LawArgs& args) {
       const B lever = a.contact_lever != 0 ? S::load(b.g[3] + k) : one;
       const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
       B t[3];
-      tangential_velocity<S>(v, s, n, vn, inv, a.dt, a.synchronised, t);
+      tangential_velocity<S>(v, s, mid_normal, t);
       const B last = S::load(b.h[3] + k), st = c.kt * radius, ct = c.gt * S::sqrt(st / ms);
       B h[3] = {S::load(b.h[0] + k), S::load(b.h[1] + k), S::load(b.h[2] + k)};
       const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];

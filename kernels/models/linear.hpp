@@ -1,16 +1,22 @@
 // Linear spring-dashpot with Coulomb friction and tangential history (Cundall & Strack; LAMMPS gran/hooke/history).
 //   F_n = k_n delta - gamma_n m_eff v_n,   F_t = -(k_t xi + gamma_t m_eff v_t),   |F_t| <= mu max(F_n, 0)
-// Dashpot `centred`: velocities are known at n-1/2; the force of step n is made consistent with the velocity at n,
-// v_n = v(n-1/2) + F dt/(2 m_eff), solved for the pair alone: both force components shrink by 1/(1 + gamma dt/2)
-// (second order; `lagged` uses v(n-1/2) as it stands: first order). Onset correction: the dashpot acts from the first
-// instant of touch to the last, so its impulse in the step that holds that instant is weighed with the touching time
-// (1/2 + delta/(|v_n| dt)) instead of 1; without it restitution has an error of order dt that depends on the phase.
-// The tangential spring too starts at the instant of touch: in that step it moves for delta/|v_n| instead of dt,
-// without which every sticking contact carries half a step's slip too much (tests/verification/order_test.cpp).
-// Sliding `bounded`: the spring is set to max(0, limit - dashpot) along the force, so that it never stores energy that
-// the dashpot put into it. `balanced`: to the scaled force less the dashpot, as vectors, which may load it backwards
-// (LAMMPS).
-// History: 3 columns, the tangential spring xi [m], oriented i - j.
+// Dashpot: velocities are known at n-1/2.
+// - lagged: uses them as they stand; first order.
+// - pairwise: the force of step n fits the velocity at n, v_n = v(n-1/2) + F dt/(2 m_eff), solved for the pair alone:
+//   both force components shrink by 1/(1 + gamma dt/2). Second order in an impact, but a contact that rests under load
+//   is too soft by gamma dt/2, because there other forces cancel F.
+// - centred: the same with the other forces, in normal direction, from the last step: dashpot_velocity().
+// Onset correction: the dashpot acts from the first instant of touch to the last, so its impulse in the step that holds
+// that instant is weighed with the touching time (1/2 + delta/(|v_n| dt)) instead of 1; without it restitution has an
+// error of order dt that depends on the phase. The tangential spring too starts at the instant of touch: in that step
+// it moves for delta/|v_n| instead of dt, without which every sticking contact carries half a step's slip too much
+// (tests/verification/order_test.cpp).
+// Sliding:
+// - bounded: the spring is set to max(0, limit - dashpot) along the force, so that it never stores energy that the
+//   dashpot put into it.
+// - balanced: to the scaled force less the dashpot, as vectors, which may load it backwards (LAMMPS).
+// History: with friction 3 columns, the tangential spring xi [m], oriented i - j; centred and damped: one more, the
+// predicted velocity [m/s].
 // Reads kn, kt [N/m], gn, gt [1/s] (or 2 beta [-] with by_restitution), mu.
 #pragma once
 
@@ -55,22 +61,61 @@ struct Coefficients {
   }
 };
 
-/// Tangential displacement rate of the contact point, v_t = v - (v.c) c - s x c with s = lever (r_i w_i + r_j w_j).
-/// synchronised: velocity and spin are those of n-1/2, so c is the normal of that instant too, c = (x(n) - v dt/2)/d.
-/// With the normal at n the spin's part is off by s x (v_t dt/2d): a grain that rolls around another one then winds its
-/// spring up along the normal plane at a constant rate, is drawn in and sticks (VERIFICATION 3.8). 1/|c|^2 is expanded
-/// to 1 + 2 vn dt/2d, which leaves (v dt/2d)^2 of the normal velocity, along c.
+/// The normal to which velocity and spin belong. synchronised: they are those of n-1/2, so it is the normal of that
+/// instant, c = (x(n) - v dt/2)/d, unnormalised. With the normal at n the spin's part of the tangential velocity is off
+/// by s x (v_t dt/2d): a grain that rolls around another one then winds its spring up along the normal plane at a
+/// constant rate, is drawn in and sticks (VERIFICATION 3.8). 1/|c|^2 is expanded to 1 + 2 vn dt/2d, which leaves
+/// (v dt/2d)^2 of the normal velocity, along c.
 template <class S>
-TALUS_INLINE void tangential_velocity(const typename S::B* v, const typename S::B* s, const typename S::B* n,
-                                      typename S::B vn, typename S::B inv, double dt, int synchronised,
-                                      typename S::B* t) {
-  typename S::B c[3] = {n[0], n[1], n[2]}, q = vn;
-  if (synchronised != 0) {
-    const auto tilt = S::set(0.5 * dt) * inv;
-    for (int k = 0; k < 3; ++k) c[k] = n[k] - tilt * v[k];
-    const auto along = (v[0] * c[0] + v[1] * c[1]) + v[2] * c[2];
-    q = along + (along * vn) * (tilt + tilt);
+struct MidNormal {
+  typename S::B c[3], along, stretch;  ///< along = v.c, stretch = along (1/|c|^2 - 1)
+  TALUS_INLINE void set(const typename S::B* v, const typename S::B* n, typename S::B vn, typename S::B inv, double dt,
+                        int synchronised) {
+    for (int k = 0; k < 3; ++k) c[k] = n[k];
+    along = vn;
+    stretch = S::set(0.0);
+    if (synchronised != 0) {
+      const auto tilt = S::set(0.5 * dt) * inv;
+      for (int k = 0; k < 3; ++k) c[k] = n[k] - tilt * v[k];
+      along = (v[0] * c[0] + v[1] * c[1]) + v[2] * c[2];
+      stretch = (along * vn) * (tilt + tilt);
+    }
   }
+};
+
+/// Contacts that are new, or that part.
+template <class S>
+TALUS_INLINE auto lacks_prediction(typename S::B q) {
+  return S::lt(S::abs(q), S::set(1e-300));
+}
+
+/// Normal velocity that belongs into the centred dashpot beside the pair's own force: v(n-1/2) + a_ext dt/2, where
+/// a_ext is what all other forces do to the relative velocity. The last step has stored q = v + F_n dt/m_eff, the
+/// velocity that the pair alone would have now, so a_ext dt = (vn - q) - dt v_t^2/d of that step (the last term: the
+/// normal has turned; v_t^2 dt/d = 2 (vn - along) - stretch). In an impact of two free spheres a_ext is 0 to rounding;
+/// at rest it is -F_n/m_eff and the force is k delta. The feedback is one step late; what that costs in stability is in
+/// core/timestep.cpp. q = 0: a new contact. One that has just touched has no history to miss; one that starts in
+/// overlap is taken for a resting one, a_ext = -k delta/m_eff.
+template <class S>
+TALUS_INLINE typename S::B dashpot_velocity(typename S::B vn, const MidNormal<S>& mid, typename S::B q,
+                                            typename S::B spring, typename S::B inverse_mass, typename S::B delta,
+                                            double dt) {
+  const auto zero = S::set(0.0), half = S::set(0.5);
+  auto u = mid.along + half * ((vn - q) + mid.stretch);
+  const auto fresh = lacks_prediction<S>(q);
+  if (S::any(fresh)) {
+    const auto touched = S::lt(delta, (zero - vn) * S::set(dt));
+    u = S::select(fresh, S::select(touched, vn, vn - S::set(0.5 * dt) * (spring * inverse_mass)), u);
+  }
+  return u;
+}
+
+/// Tangential displacement rate of the contact point, v_t = v - (v.c) c/|c|^2 - s x c, s = lever (r_i w_i + r_j w_j).
+template <class S>
+TALUS_INLINE void tangential_velocity(const typename S::B* v, const typename S::B* s, const MidNormal<S>& mid,
+                                      typename S::B* t) {
+  const auto* c = mid.c;
+  const auto q = mid.along + mid.stretch;
   t[0] = (v[0] - q * c[0]) - (s[1] * c[2] - s[2] * c[1]);
   t[1] = (v[1] - q * c[1]) - (s[2] * c[0] - s[0] * c[2]);
   t[2] = (v[2] - q * c[2]) - (s[0] * c[1] - s[1] * c[0]);
@@ -105,6 +150,7 @@ struct LinearFactors {
 template <class S, bool Friction, bool Multi, bool Energy>
 void force(Linear, Block& block, const LawArgs& args) {
   using B = typename S::B;
+  constexpr int k_mass = Friction ? 7 : 3, k_recall = Friction ? Linear::history : 0;
   const LawArgs a = args;  // local copies: the stores below cannot alias them
   const Block b = block;
   const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt), hdt = S::set(0.5 * a.dt);
@@ -122,26 +168,47 @@ void force(Linear, Block& block, const LawArgs& args) {
     const B vn = (v[0] * n[0] + v[1] * n[1]) + v[2] * n[2];
     LinearFactors<S> f = shared;
     if (!constant) {
-      const B root = a.by_restitution != 0 ? S::sqrt(c.kn * S::load(b.r[Friction ? 7 : 3] + k)) : one;
+      const B root = a.by_restitution != 0 ? S::sqrt(c.kn * S::load(b.r[k_mass] + k)) : one;
       f.set(c.kt, c.gn * root, c.gt, a);  // the tangential rate stays in 1/s
     }
-    B fn = c.kn * delta;
+    MidNormal<S> mid;
+    if (Friction || a.recall != 0) mid.set(v, n, vn, inv, a.dt, a.synchronised);
+    B fn = c.kn * delta, vd = vn;  // vd: velocity that the dashpot sees
+    if (a.recall != 0)
+      vd = dashpot_velocity<S>(vn, mid, S::load(b.h[k_recall] + k), fn, S::load(b.r[k_mass] + k), delta, a.dt);
     const B step = S::abs(vn) * dt;
     const auto brief = S::lt(delta, step);
-    B slid = dt;  // how long the tangential spring has moved with the spheres
+    B slid = dt;      // how long the tangential spring has moved with the spheres
+    B counted = one;  // 0: the last step has counted the dashpot to the end
+    const auto remember = [&](B prediction) {
+      if (a.recall != 0) S::store(b.h[k_recall] + k, prediction);
+    };
     if (a.centred != 0 && a.onset != 0 && S::any(brief)) {
       slid = S::select(brief, S::select(S::lt(vn, zero), dt * (delta / step), dt), dt);
-      const B gn = f.gn * S::select(brief, half + delta / step, one);
-      fn = (fn - gn * (meff * vn)) * (one / (one + hdt * gn));
+      B weight = S::select(brief, half + delta / step, one);
+      const auto leaves = S::gt(vn, zero);
+      if (a.recall != 0) {
+        // The dashpot slows a parting pair, which may so touch once more, by less than a step; the step before, told by
+        // its lack of a prediction, has counted that. Without this 0.6 dt/t_c of all phases have an error of order dt.
+        const auto fresh = lacks_prediction<S>(S::load(b.h[k_recall] + k));
+        counted = S::select(brief, S::select(leaves, S::select(fresh, zero, one), one), one);
+        weight = weight * counted;
+      }
+      const B gn = f.gn * weight;
+      fn = (fn - gn * (meff * vd)) * (one / (one + hdt * gn));
+      const B next = vn + dt * (fn * S::load(b.r[k_mass] + k));
+      remember(S::select(brief, S::select(leaves, zero, next), next));
     } else {
-      fn = (fn - f.gn * (meff * vn)) * f.shrink_n;
+      fn = (fn - f.gn * (meff * vd)) * f.shrink_n;
+      remember(vn + dt * (fn * S::load(b.r[k_mass] + k)));
     }
     B force_i[3] = {fn * n[0], fn * n[1], fn * n[2]};
     if constexpr (Energy) {
       // Loss over [n-1, n] by the midpoint rule: v(n-1/2) is the mid-step velocity. The first interval counts from the
       // instant of touch, the last one to the instant of parting.
       B part = one;
-      if (S::any(brief)) part = S::select(brief, S::select(S::lt(vn, zero), delta / step, one + delta / step), one);
+      if (S::any(brief))
+        part = S::select(brief, S::select(S::lt(vn, zero), delta / step, one + delta / step), one) * counted;
       S::store(b.e[0] + k, half * (c.kn * (delta * delta)));
       S::store(b.e[1] + k, (dt * part) * ((f.gn * meff) * (vn * vn)));
       S::store(b.e[2] + k, zero);
@@ -150,7 +217,7 @@ void force(Linear, Block& block, const LawArgs& args) {
       const B lever = a.contact_lever != 0 ? S::load(b.g[3] + k) : one;
       const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
       B t[3];
-      tangential_velocity<S>(v, s, n, vn, inv, a.dt, a.synchronised, t);
+      tangential_velocity<S>(v, s, mid, t);
       B h[3] = {S::load(b.h[0] + k), S::load(b.h[1] + k), S::load(b.h[2] + k)};
       const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
       const B gm = f.gt * meff;
@@ -164,9 +231,9 @@ void force(Linear, Block& block, const LawArgs& args) {
       const auto slides = S::gt(g2, limit * limit);
       B damped = zero;  // power of the dashpot
       if constexpr (Energy) damped = gm * ((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]);
-      // Coulomb: scale the force; the spring carries what the dashpot leaves of it, and never pushes backwards: a spring
-      // loaded against the dashpot would part with energy that nothing gave back. No branch: some of eight contacts
-      // slide often enough that mispredictions cost more than the arithmetic.
+      // Coulomb: scale the force; the spring carries what the dashpot leaves of it, and never pushes backwards: a
+      // spring loaded against the dashpot would part with energy that nothing gave back. No branch: some of eight
+      // contacts slide often enough that mispredictions cost more than the arithmetic.
       const B inv_g = over_root<S>(one, g2), along = ((g[0] * t[0] + g[1] * t[1]) + g[2] * t[2]) * inv_g;
       const B spring = limit + (gm * f.shrink_t) * along;
       const B scale = S::select(slides, limit * inv_g, one);

@@ -18,7 +18,7 @@ struct Batch {
   std::vector<reference::Pair> pairs;
   Column<std::int32_t> i, j;
   std::vector<Vec3> history;
-  std::vector<double> radius;
+  std::vector<double> radius, predicted;
 };
 
 /// n touching pairs of random spheres: rows 2k and 2k + 1.
@@ -70,6 +70,8 @@ Batch make_batch(int n, bool rotation, std::uint64_t seed) {
     b.i.push_back(2 * k);
     b.j.push_back(2 * k + 1);
     b.history.push_back(1e-3 * Vec3{u(), u(), u()});
+    // 0: new to the law, which then looks whether it has touched just now
+    b.predicted.push_back(k % 4 == 0 ? 0.0 : u());
     b.radius.push_back(k % 3 == 0 ? 0.0 : 0.1 * (1 + 0.9 * u()));
   }
   for (int k = 0; k < k_pad; ++k) {
@@ -83,9 +85,13 @@ struct Output {
   std::vector<double> r[8], h[k_max_history], e[3];
 };
 
+/// Column of the predicted velocity (LawArgs::recall).
+int recall_column(const LawInfo& law, bool friction) { return friction ? law.history : 0; }
+
 Output run_law(const KernelTable& k, Batch& b, int n, const LawInfo& law, bool friction, bool multi, bool energy,
                const LawArgs& args) {
-  alignas(64) static double x[4][k_block + k_pad], geo[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad], reff[k_block + k_pad];
+  alignas(64) static double x[4][k_block + k_pad], geo[4][k_block + k_pad], r[8][k_block + k_pad],
+      e[3][k_block + k_pad], reff[k_block + k_pad];
   alignas(64) static std::int32_t pair[k_block + k_pad];
   std::memset(r, 0, sizeof r);
   std::fill(reff, reff + k_block + k_pad, 1.0);
@@ -113,7 +119,10 @@ Output run_law(const KernelTable& k, Batch& b, int n, const LawInfo& law, bool f
   for (int q = 0; q < k_max_history; ++q) {
     h[q].assign(static_cast<std::size_t>(n + k_pad), 0.0);
     for (int s = 0; s < n; ++s)
-      h[q][s] = q < 3 ? b.history[static_cast<std::size_t>(s)][q] : b.radius[static_cast<std::size_t>(s)];
+      if (q == recall_column(law, friction))
+        h[q][s] = b.predicted[static_cast<std::size_t>(s)];
+      else
+        h[q][s] = q < 3 ? b.history[static_cast<std::size_t>(s)][q] : b.radius[static_cast<std::size_t>(s)];
     block.h[q] = h[q].data();
   }
   block.reff = reff;
@@ -139,6 +148,8 @@ LawArgs law_args(ContactModel model, int variant) {
   if (a.by_restitution != 0 && model == ContactModel::linear) a.one.gn = 0.3;
   a.centred = (variant / 2) % 2;
   a.onset = a.centred;
+  a.recall = a.centred != 0 ? (variant / 16) % 2 : 0;
+  a.balanced = model == ContactModel::linear && variant % 3 == 1 ? 1 : 0;
   a.synchronised = (variant / 4) % 2;
   a.contact_lever = (variant / 8) % 2;
   return a;
@@ -152,7 +163,7 @@ TEST(Law, AgreesWithTheScalarOracle) {
   // Rounding only: forces cancel to about 1e-3 of their terms at most, hence 1e-11 of the largest force in the batch.
   // The synchronised form expands 1/|c|^2 and leaves (v dt / 2 d)^2 = 3e-6 of the velocity here: 1e-5.
   for (const ContactModel model : {ContactModel::linear, ContactModel::hertz_mindlin})
-    for (int variant = 0; variant < 16; ++variant)
+    for (int variant = 0; variant < 32; ++variant)
       for (const bool friction : {false, true}) {
         const int n = 125;
         Batch b = make_batch(n, friction, 7 + static_cast<std::uint64_t>(variant));
@@ -165,11 +176,15 @@ TEST(Law, AgreesWithTheScalarOracle) {
         for (int k = 0; k < n; ++k) {
           const auto s = static_cast<std::size_t>(k);
           Vec3 h = b.history[s];
-          double radius = b.radius[s];
+          double radius = b.radius[s], predicted = b.predicted[s];
           const reference::Pair& p = b.pairs[s];
           const auto expect = model == ContactModel::linear
-                                  ? reference::linear(p, a.one, a, friction, h)
-                                  : reference::hertz_mindlin(p, a.one, a, friction, h, radius);
+                                  ? reference::linear(p, a.one, a, friction, h, predicted)
+                                  : reference::hertz_mindlin(p, a.one, a, friction, h, radius, predicted);
+          if (a.recall != 0) {
+            const int q = recall_column(law_info(model), friction);
+            ASSERT_NEAR(o.h[q][s], predicted, tolerance * std::max(1.0, top)) << "variant " << variant << " pair " << k;
+          }
           for (int q = 0; q < 3; ++q) {
             ASSERT_NEAR(o.r[q][s], expect.force[q], tolerance * top)
                 << "model " << static_cast<int>(model) << " variant " << variant << " pair " << k;
@@ -185,7 +200,7 @@ TEST(Law, AgreesWithTheScalarOracle) {
 
 TEST(Law, GivesTheSameBitsOnEveryInstructionSet) {
   for (const ContactModel model : {ContactModel::linear, ContactModel::hertz_mindlin})
-    for (int variant = 0; variant < 16; ++variant)
+    for (int variant = 0; variant < 32; ++variant)
       for (int kind = 0; kind < 8; ++kind)
         for (const int n : {1, 3, 8, 61, 128}) {
           const bool friction = kind % 2 != 0, multi = kind / 2 % 2 != 0, energy = kind / 4 != 0;
@@ -201,8 +216,9 @@ TEST(Law, GivesTheSameBitsOnEveryInstructionSet) {
                     << isa_name(isa) << " lane " << q << " variant " << variant << " kind " << kind;
               }
             for (int q = 0; q < 3; ++q) ASSERT_TRUE(same_bits(o.e[q], t.e[q])) << isa_name(isa) << " energy " << q;
-            if (friction) {
-              for (int q = 0; q < law_info(model).history; ++q)
+            {
+              const int columns = (friction ? law_info(model).history : 0) + a.recall;
+              for (int q = 0; q < columns; ++q)
                 ASSERT_TRUE(same_bits(o.h[q], t.h[q])) << isa_name(isa) << " history " << q;
             }
           }
@@ -214,7 +230,7 @@ TEST(Law, SwappingThePartnersNegatesTheForceExactly) {
   for (const ContactModel model : {ContactModel::linear, ContactModel::hertz_mindlin}) {
     const int n = 128;
     Batch b = make_batch(n, true, 5);
-    const LawArgs a = law_args(model, 14);
+    const LawArgs a = law_args(model, 30);  // all options
     const KernelTable& k = select_kernels(Isa::automatic);
     const Output o = run_law(k, b, n, law_info(model), true, false, false, a);
     std::swap(b.i, b.j);
@@ -226,19 +242,20 @@ TEST(Law, SwappingThePartnersNegatesTheForceExactly) {
         ASSERT_EQ(o.r[4 + q][s], t.r[4 + q][s]);
         ASSERT_EQ(o.h[q][s], -t.h[q][s]);
       }
+    for (int q = 3; q <= law_info(model).history; ++q) ASSERT_EQ(o.h[q], t.h[q]) << q;  // scalars do not turn round
   }
 }
 
 struct NarrowResult {
   std::vector<std::int32_t> ci, cj;
   std::vector<std::uint8_t> mask;
-  std::vector<double> h[3];
+  std::vector<double> h[k_max_history];
   std::int64_t end[3];
 };
 
 NarrowResult run_narrow(const KernelTable& k, const Column<double>& p, const Column<std::int32_t>& pi,
                         const Column<std::int32_t>& pj, std::vector<std::uint8_t> mask, const std::vector<double>* old,
-                        const std::int64_t* end, bool periodic) {
+                        const std::int64_t* end, bool periodic, int columns) {
   const std::size_t n = pi.size() + 2 * k_pad;
   NarrowArgs a{};
   a.p = p.data();
@@ -251,9 +268,9 @@ NarrowResult run_narrow(const KernelTable& k, const Column<double>& p, const Col
     a.period[q] = periodic ? 5 : 0;
   }
   a.periodic = periodic ? 1 : 0;
-  a.history = 3;
-  Column<double> h_old[3], h_new[3];
-  for (int q = 0; q < 3; ++q) {
+  a.history = columns;
+  Column<double> h_old[k_max_history], h_new[k_max_history];
+  for (int q = 0; q < columns; ++q) {
     h_old[q].assign(old[q].begin(), old[q].end());
     h_old[q].resize(n);
     h_new[q].resize(n);
@@ -269,80 +286,79 @@ NarrowResult run_narrow(const KernelTable& k, const Column<double>& p, const Col
   r.ci.assign(ci.begin(), ci.begin() + static_cast<std::ptrdiff_t>(m));
   r.cj.assign(cj.begin(), cj.begin() + static_cast<std::ptrdiff_t>(m));
   r.mask = mask;
-  for (int q = 0; q < 3; ++q) {
+  for (int q = 0; q < columns; ++q) {
     const auto& kept = a.history_moved != 0 ? h_new[q] : h_old[q];
     r.h[q].assign(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(m));
-    r.end[q] = a.contact_end[q];
   }
+  for (int q = 0; q < 3; ++q) r.end[q] = a.contact_end[q];
   return r;
 }
 
 TEST(Narrow, CarriesTheHistoryOfTouchingPairsAndStartsNewOnesAtZero) {
   const CounterRng rng(3, 2, 0);
   std::uint64_t c = 0;
-  for (const bool periodic : {false, true}) {
-    const int rows = 60;
-    Column<double> p(4 * (rows + 16));
-    for (int k = 0; k < rows + 16; ++k) {
-      for (int q = 0; q < 3; ++q) p[4 * k + q] = k < rows ? 5 * rng.uniform(c++) : 1e150;
-      p[4 * k + 3] = k < rows ? 0.3 + 0.3 * rng.uniform(c++) : 0;
+  for (const int columns : {0, 1, 3, 4, 5})
+    for (const bool periodic : {false, true}) {
+      const int rows = 60;
+      Column<double> p(4 * (rows + 16));
+      for (int k = 0; k < rows + 16; ++k) {
+        for (int q = 0; q < 3; ++q) p[4 * k + q] = k < rows ? 5 * rng.uniform(c++) : 1e150;
+        p[4 * k + 3] = k < rows ? 0.3 + 0.3 * rng.uniform(c++) : 0;
+      }
+      Column<std::int32_t> pi, pj;
+      std::int64_t end[3];
+      for (int s = 0; s < 3; ++s) {
+        const int n = 400 + 37 * s;
+        for (int k = 0; k < n; ++k) {
+          const auto i = static_cast<std::int32_t>(rng.uniform(c++) * rows);
+          auto j = static_cast<std::int32_t>(rng.uniform(c++) * rows);
+          pi.push_back(i);
+          pj.push_back(i == j ? (j + 1) % rows : j);
+        }
+        while (pi.size() % 8 != 0) {
+          pi.push_back(rows);
+          pj.push_back(rows);
+        }
+        end[s] = static_cast<std::int64_t>(pi.size());
+      }
+      std::vector<std::uint8_t> mask(pi.size() / 8 + 16, 0);
+      std::vector<double> old[k_max_history];
+      for (std::size_t s = 0; s < pi.size(); ++s)
+        if (pi[s] < rows && rng.uniform(c++) < 0.5) {
+          mask[s / 8] |= static_cast<std::uint8_t>(1U << (s % 8));
+          for (auto& h : old) h.push_back(rng.uniform(c++));
+        }
+      const NarrowResult r = run_narrow(select_kernels(Isa::scalar), p, pi, pj, mask, old, end, periodic, columns);
+      std::size_t n = 0, was = 0;
+      for (std::size_t s = 0; s < pi.size(); ++s) {
+        double d2 = 0;
+        for (int q = 0; q < 3; ++q) {
+          double d = p[4 * pi[s] + q] - p[4 * pj[s] + q];
+          if (periodic) d -= 5 * std::nearbyint(d / 5);
+          d2 += d * d;
+        }
+        const double reach = p[4 * pi[s] + 3] + p[4 * pj[s] + 3];
+        const bool touched = (mask[s / 8] >> (s % 8) & 1) != 0, touches = pi[s] < rows && d2 < reach * reach;
+        ASSERT_EQ((r.mask[s / 8] >> (s % 8) & 1) != 0, touches);
+        if (touches) {
+          ASSERT_EQ(r.ci[n], pi[s]);
+          ASSERT_EQ(r.cj[n], pj[s]);
+          for (int q = 0; q < columns; ++q) ASSERT_EQ(r.h[q][n], touched ? old[q][was] : 0.0);
+          ++n;
+        }
+        was += touched ? 1 : 0;
+      }
+      EXPECT_EQ(n, r.ci.size());
+      EXPECT_GT(n, 20U);
+      for (const Isa isa : available_isas()) {
+        const NarrowResult t = run_narrow(select_kernels(isa), p, pi, pj, mask, old, end, periodic, columns);
+        EXPECT_EQ(t.ci, r.ci) << isa_name(isa);
+        EXPECT_EQ(t.cj, r.cj) << isa_name(isa);
+        EXPECT_EQ(t.mask, r.mask) << isa_name(isa);
+        for (int q = 0; q < columns; ++q) EXPECT_TRUE(same_bits(t.h[q], r.h[q])) << isa_name(isa);
+        for (int q = 0; q < 3; ++q) EXPECT_EQ(t.end[q], r.end[q]) << isa_name(isa);
+      }
     }
-    Column<std::int32_t> pi, pj;
-    std::int64_t end[3];
-    for (int s = 0; s < 3; ++s) {
-      const int n = 400 + 37 * s;
-      for (int k = 0; k < n; ++k) {
-        const auto i = static_cast<std::int32_t>(rng.uniform(c++) * rows);
-        auto j = static_cast<std::int32_t>(rng.uniform(c++) * rows);
-        pi.push_back(i);
-        pj.push_back(i == j ? (j + 1) % rows : j);
-      }
-      while (pi.size() % 8 != 0) {
-        pi.push_back(rows);
-        pj.push_back(rows);
-      }
-      end[s] = static_cast<std::int64_t>(pi.size());
-    }
-    std::vector<std::uint8_t> mask(pi.size() / 8 + 16, 0);
-    std::vector<double> old[3];
-    for (std::size_t s = 0; s < pi.size(); ++s)
-      if (pi[s] < rows && rng.uniform(c++) < 0.5) {
-        mask[s / 8] |= static_cast<std::uint8_t>(1U << (s % 8));
-        for (auto& h : old) h.push_back(rng.uniform(c++));
-      }
-    const NarrowResult r = run_narrow(select_kernels(Isa::scalar), p, pi, pj, mask, old, end, periodic);
-    std::size_t n = 0, was = 0;
-    for (std::size_t s = 0; s < pi.size(); ++s) {
-      double d2 = 0;
-      for (int q = 0; q < 3; ++q) {
-        double d = p[4 * pi[s] + q] - p[4 * pj[s] + q];
-        if (periodic) d -= 5 * std::nearbyint(d / 5);
-        d2 += d * d;
-      }
-      const double reach = p[4 * pi[s] + 3] + p[4 * pj[s] + 3];
-      const bool touched = (mask[s / 8] >> (s % 8) & 1) != 0, touches = pi[s] < rows && d2 < reach * reach;
-      ASSERT_EQ((r.mask[s / 8] >> (s % 8) & 1) != 0, touches);
-      if (touches) {
-        ASSERT_EQ(r.ci[n], pi[s]);
-        ASSERT_EQ(r.cj[n], pj[s]);
-        for (int q = 0; q < 3; ++q) ASSERT_EQ(r.h[q][n], touched ? old[q][was] : 0.0);
-        ++n;
-      }
-      was += touched ? 1 : 0;
-    }
-    EXPECT_EQ(n, r.ci.size());
-    EXPECT_GT(n, 20U);
-    for (const Isa isa : available_isas()) {
-      const NarrowResult t = run_narrow(select_kernels(isa), p, pi, pj, mask, old, end, periodic);
-      EXPECT_EQ(t.ci, r.ci) << isa_name(isa);
-      EXPECT_EQ(t.cj, r.cj) << isa_name(isa);
-      EXPECT_EQ(t.mask, r.mask) << isa_name(isa);
-      for (int q = 0; q < 3; ++q) {
-        EXPECT_TRUE(same_bits(t.h[q], r.h[q])) << isa_name(isa);
-        EXPECT_EQ(t.end[q], r.end[q]) << isa_name(isa);
-      }
-    }
-  }
 }
 
 }  // namespace

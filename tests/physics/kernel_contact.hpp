@@ -27,7 +27,7 @@ class KernelContact {
     args_.table = parameters_.data();
     args_.dt = scene.dt;
     args_.by_restitution = scene.contact.by_restitution ? 1 : 0;
-    args_.centred = scene.contact.dashpot == Dashpot::centred ? 1 : 0;
+    args_.centred = scene.contact.dashpot != Dashpot::lagged ? 1 : 0;
     args_.onset = scene.contact.onset_correction ? 1 : 0;
     args_.synchronised = scene.contact.synchronised ? 1 : 0;
     args_.contact_lever = scene.contact.lever == Lever::contact ? 1 : 0;
