@@ -381,7 +381,12 @@ void Insertion::deliver(std::size_t s, Vec3 x, double r, NewParticles& out) {
 
 void Insertion::fill(std::size_t s, const NewParticles& before, const PresentParticles& present, NewParticles& out) {
   const Source& source = scene_.sources[s];
-  Occupied occupied(scene_.domain, source.region.lower, source.region.upper, 0.5 * source.size.largest());
+  // Grains already there may be far larger than the source's: in its finest cells one of them widens every search.
+  double largest = 0.5 * source.size.largest();
+  for (std::size_t i = 0; i < present.size(); ++i)
+    if (present.rows[4 * i] <= 1e100) largest = fmax2(largest, present.rows[4 * i + 3]);
+  for (const double r : before.r) largest = fmax2(largest, r);
+  Occupied occupied(scene_.domain, source.region.lower, source.region.upper, largest);
   for (std::size_t i = 0; i < present.size(); ++i) {
     const double* row = &present.rows[4 * i];
     if (row[0] > 1e100) continue;

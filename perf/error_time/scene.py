@@ -101,7 +101,8 @@ class Scene:
         return out
 
     def variants(self):
-        return [("leapfrog", {"integrator": "leapfrog"}), ("lagged dashpot", {"contact.dashpot": "lagged"})]
+        return [("leapfrog", {"integrator": "leapfrog"}), ("pairwise dashpot", {"contact.dashpot": "pairwise"}),
+                ("lagged dashpot", {"contact.dashpot": "lagged"})]
 
     def list_settings(self, features, base):
         q, out = self.q_middle, []

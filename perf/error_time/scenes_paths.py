@@ -194,8 +194,6 @@ class DenseShear(PathScene):
     T, frames, tc = 1.0, 20, 0.00702481473
     softenings = (10, 100, 1000)
     reference_q = 320
-    energy_counts = False
-    limits = ("No energy residual: Talus' balance does not count the work done on driven grains.",)
     width, depth = 8.0, 6.0
 
     def __init__(self, quick):

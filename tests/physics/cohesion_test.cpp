@@ -25,9 +25,6 @@ Scene jkr_scene(double w, double e, double mu, double dt) {
   hertz_law(s, e, mu);
   s.contact.model = ContactModel::jkr;
   for (PairCoefficients& p : s.pairs) p.work_of_adhesion = w;
-  // The centred dashpot scales the whole force by 1/(1 + c dt/2m), spring included: rest under a load is then off by
-  // that factor (first order in dt, 1e-3 here). Closed forms of rest are checked without it.
-  s.contact.dashpot = Dashpot::lagged;
   return s;
 }
 
@@ -172,7 +169,6 @@ TEST(PhysicsSjkr, GrainsRestWhereAttractionAndSpringBalance) {
   s.materials[0].poisson = k_poisson;
   hertz_law(s, 0.2, 0);
   s.contact.cohesion = Cohesion::sjkr;
-  s.contact.dashpot = Dashpot::lagged;
   const double c = 2e5, e_star = e_star_of(s);
   s.pairs[0].cohesion_energy = c;
   const double r[2] = {k_radius, 2 * k_radius}, reff = r[0] * r[1] / (r[0] + r[1]);

@@ -59,6 +59,50 @@ TEST(Advice, WeightOfAColumnDecidesWhereNothingMoves) {
   EXPECT_EQ(softening(s, r).factor, 0);
 }
 
+/// Growth of the kinetic energy over 4000 steps of a squeezed fcc crystal of equal spheres, periodic, with friction and
+/// a little noise; infinite where the run stops.
+double growth(Dashpot dashpot, double e, double share_of_limit, double& limit) {
+  const double r = 0.01, kn = 1e5, edge = 2 * r * std::sqrt(2.0) * (1 - 1e-3);
+  const int n = 4;
+  Scene s = open_scene({0, 0, 0}, {n * edge, n * edge, n * edge}, 1e-9);
+  for (auto& axis : s.domain.boundary) axis = {Boundary::periodic, Boundary::periodic};
+  linear_restitution(s, kn, e, 2.0 / 7.0 * kn, 10);
+  s.contact.dashpot = dashpot;
+  std::vector<Grain> grains;
+  for (int k = 0; k < n * n * n; ++k)
+    for (int q = 0; q < 4; ++q) {
+      const Vec3 cell{k % n + 0.25, k / n % n + 0.25, k / n / n + 0.25};
+      const Vec3 x = edge * (cell + 0.5 * Vec3{double(q == 1 || q == 2), double(q == 1 || q == 3), double(q > 1)});
+      const auto u = [&](int c) { return 1e-3 * (uniform(5, static_cast<std::uint64_t>(64 * k + 16 * q + c)) - 0.5); };
+      grains.push_back({x, {u(0), u(1), u(2)}, r});
+    }
+  s.allow_initial_overlap = s.allow_unstable_step = true;
+  limit = time_step_limits(s, r, r).packing.seconds;
+  s.dt = share_of_limit * limit;
+  add_grains(s, grains);
+  Simulation sim(s, options());
+  sim.run(1);
+  const double start = sim.kinetic_energy();
+  try {
+    sim.run(4000);
+  } catch (const Error&) {
+    return INFINITY;
+  }
+  return sim.kinetic_energy() / start;
+}
+
+TEST(Advice, PackingLimitIsStableWithEveryDashpotAndNotMuchTooCareful) {
+  for (const Dashpot dashpot : {Dashpot::centred, Dashpot::pairwise, Dashpot::lagged})
+    for (const double e : {0.1, 0.5, 0.9}) {
+      double limit = 0;
+      const std::string name = "dashpot " + std::to_string(static_cast<int>(dashpot)) + ", e " + sci(e);
+      EXPECT_LT(growth(dashpot, e, 1.0, limit), 1) << name << ": at the limit " << limit;
+      figure("fcc, " + name + ": packing limit / contact time of a pair",
+             limit / (k_pi / std::sqrt(1e5 / (0.5 * sphere_mass(2500, 0.01)))));
+      EXPECT_GT(growth(dashpot, e, 2.0, limit), 1e3) << name << ": the control";
+    }
+}
+
 TEST(Advice, WallsThatOutrunTheParticlesAreRefusedOrWarnedOf) {
   Scene s = open_scene({-1, -1, -1}, {1, 1, 1}, 1e-5);
   linear_law(s, 1e4, 0);

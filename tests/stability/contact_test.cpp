@@ -1,6 +1,7 @@
 // Scenarios 8 to 17: overlapping and coincident starts, fast grains, restitution and friction at their ends.
 #include <cmath>
 
+#include "core/adhesion.hpp"
 #include "core/io/scene_file.hpp"
 #include "tests/physics/kernel_contact.hpp"
 #include "tests/stability/stability_support.hpp"
@@ -275,8 +276,15 @@ TEST(Stability, S12_RestitutionFromOneHundredthToOne) {
   EXPECT_NE(zero.find("restitution"), std::string::npos) << zero;
   row("measured e within 1e-3 for 0.01 ... 1, LSD and Hertz; e = 0 refused; e = 1: drift per collision",
       "worst " + sci(worst) + " (" + worst_at + "), drift " + sci(drift) + " per collision");
+  // Leapfrog keeps v(n-1/2) v(n+1/2) + omega^2 x^2 inside a contact, which at touch differs from v^2 by the share
+  // (omega dt)^2 p (1 - p), p the part of the step that has passed: the speed changes by half the difference of that
+  // between touch and parting, either way.
   if (drift > 1e-12)
-    shortfall("e = 1: the speed changes by " + sci(drift) + " per collision (500 steps per contact), not by < 1e-12");
+    shortfall(
+        "e = 1: the speed changes by " + sci(drift) +
+        " per collision (500 steps per contact), not by < 1e-12: the step that holds touch or parting leaves up to "
+        "(omega dt)^2/8 = " +
+        sci(std::pow(k_pi / 500.3, 2) / 8) + " of it, without a preferred sign");
 }
 
 TEST(Stability, S13_TensileTailOfTheDashpotCanBeClipped) {
@@ -384,13 +392,97 @@ TEST(Stability, S15_ClosedLoopsOfUnloadingAndReloadingNeverYieldWork) {
       "least " + sci(lowest) + " of the stored energy");
 }
 
+/// A grain on a floor whose slope is in the gravity vector, pressed by 2e-5 of its radius.
+Scene slope(Rolling kind) {
+  const double m = sphere_mass(2500, k_r), g = 9.81, angle = 0.08, load = m * g * std::cos(angle);
+  Scene s = open_scene({0, 0, 0}, {1, 0.1, 0.1}, 5e-6);
+  s.domain.boundary[2] = {Boundary::wall, Boundary::open};
+  s.gravity = {g * std::sin(angle), 0, -g * std::cos(angle)};
+  linear_law(s, load / (2e-5 * k_r), 800, 2.0 / 7.0 * load / (2e-5 * k_r), 400, 0.8);
+  s.contact.rolling = kind;
+  s.pairs[0].rolling_friction = 0.1;  // tan(0.08) < 0.1: it has to stay
+  s.pairs[0].rolling_damping = kind == Rolling::epsd ? 0.3 : 0;
+  add_grains(s, {{{0.5, 0.05, k_r * (1 - 2e-5)}, {}, k_r}});
+  return s;
+}
+
 TEST(Stability, S16_RollingResistanceAtRestOnAnIncline) {
-  TALUS_PENDING("EPSD at rest to 1e-6 R; CDT jitter bounded", "the engine has no rolling resistance law yet");
+  const int steps = full() ? 1000000 : 200000;
+  Simulation spring(slope(Rolling::epsd), options());
+  spring.run(40000);  // the spring winds up, its oscillation dies out
+  const Vec3 from = spring.frame().x[0];
+  spring.run(steps);
+  const double moved = norm(spring.frame().x[0] - from) / k_r;
+  EXPECT_LT(moved, 1e-6);
+  EXPECT_LT(std::fabs(from.x - 0.5), 2e-3 * k_r);  // wound up, not rolled away
+  Simulation constant(slope(Rolling::cdt), options());
+  constant.run(40000);
+  const double bound = 0.1 * 9.81 * 5e-6 / (0.4 * k_r);  // spin that the torque gives a free grain in one step
+  const Vec3 before = constant.frame().x[0];
+  double spin = 0;
+  for (int k = 0; k < 5000; ++k) {
+    constant.run(1);
+    spin = std::max(spin, norm(constant.frame().w[0]));
+  }
+  EXPECT_LT(spin, 3 * bound);
+  row("EPSD: displacement < 1e-6 R in " + std::to_string(steps) + " steps; CDT: spin jitters below 3 mu_r F_n R dt/I",
+      "EPSD moved " + sci(moved) + " R; CDT spin " + fmt_ratio(spin / bound) + " of mu_r F_n R dt/I, moved " +
+          sci(norm(constant.frame().x[0] - before) / k_r) + " R in 5000 steps");
 }
 
 TEST(Stability, S17_CohesionStrongerThanWeight) {
-  TALUS_PENDING("steady overlap = root of the force balance; list range >= rupture distance",
-                "the engine has no cohesion law yet");
+  // Fines all around a fixed coarse grain of 100 times their radius: pull-off force 100 times the weight and more.
+  // Rolling resistance keeps those at the sides from rolling down.
+  const double work = 2e-3, fine = 2e-5, coarse = 2e-3;
+  Scene s = open_scene({0, 0, 0}, {0.1, 0.1, 0.1}, 1e-7);
+  s.materials[0].young = 1e7;
+  s.materials[0].poisson = 0.25;
+  hertz_law(s, 0.3, 0.5);
+  s.contact.model = ContactModel::jkr;
+  s.pairs[0].work_of_adhesion = work;
+  s.contact.rolling = Rolling::epsd;
+  s.pairs[0].rolling_friction = 0.1;
+  s.pairs[0].rolling_damping = 0.3;
+  s.gravity = {0, 0, -9.81};
+  s.viscous_damping = 8000;
+  s.allow_initial_overlap = true;
+  const Vec3 centre{0.05, 0.05, 0.05};
+  std::vector<Grain> grains = {{centre, {}, coarse, {}, 0, true}};
+  for (int k = 0; k < 60; ++k) {
+    const double t = 2 * k_pi * k / 60;
+    grains.push_back({centre + (coarse + fine * (1 - 1e-3)) * Vec3{std::cos(t), 0, std::sin(t)}, {}, fine});
+  }
+  add_grains(s, grains);
+  RunOptions o = options();
+  o.audit = true;
+  Simulation sim(s, o);
+  sim.run(20000);
+  const double reff = fine * coarse / (fine + coarse), e_star = 0.5e7 / (1 - 0.0625), p = 3 * k_pi * work * reff;
+  const double weight = 9.81 * sphere_mass(2500, fine);
+  const Frame f = sim.frame();
+  double worst = 0, deepest = 0;
+  for (std::size_t k = 1; k < f.id.size(); ++k) {
+    const Vec3 d = f.x[k] - f.x[0];
+    const double load = weight * d.z / norm(d);  // the part of the weight that presses; friction carries the rest
+    const double a = std::cbrt(0.75 * reff / e_star * (load + p + std::sqrt(2 * p * load + p * p)));
+    const double delta = a * a / reff - std::sqrt(2 * k_pi * work * a / e_star);
+    worst = std::max(worst, std::fabs((coarse + fine - norm(d)) / delta - 1));
+    deepest = std::max(deepest, (coarse + fine - norm(d)) / fine);
+  }
+  EXPECT_GT(0.5 * p / weight, 100);
+  EXPECT_LT(worst, 1e-3);
+  EXPECT_EQ(sim.counters().missed_contacts, 0);
+  // lists reach as far as necks hold: the contact breaks at -delta = 3 (pi w/(8 E*))^(2/3) R*^(1/3), not before
+  const double rupture = 3 * std::cbrt(std::pow(k_pi * work / (8 * e_star), 2) * reff);
+  EXPECT_GE(adhesion_reach(s) * (std::cbrt(fine) + std::cbrt(coarse)), rupture);
+  // attraction that no contact could balance is refused by name
+  s.pairs[0].work_of_adhesion = 50;
+  const std::string text = refusal([&] { Simulation(s, options()); });
+  EXPECT_NE(text.find("work_of_adhesion"), std::string::npos) << text;
+  row("JKR, pull-off > 100 weights, sizes 1:100: overlap at rest = root of the force balance to 1e-3; reach >= rupture "
+      "distance; excess refused",
+      "pull-off " + fmt_ratio(0.5 * p / weight) + " weights, overlap " + sci(deepest) + " R, worst error " +
+          sci(worst) + ", 0 contacts missed");
 }
 
 }  // namespace

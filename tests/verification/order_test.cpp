@@ -150,5 +150,55 @@ TEST(Order, HertzDampedSlidingThenSticking) {
   check("Hertz, e 0.6, sliding then sticking", {true, 0.6, both}, 1.2, 1e-3, k_quarter);
 }
 
+/// Positions of two damped grains squeezed between two planes under gravity, never out of contact (MFiX DEM03).
+std::vector<double> clamped_stack(Dashpot dashpot, bool hertz, double dt, double duration) {
+  const double r = 0.05;
+  Scene s = open_scene({-1, -1, -1}, {1, 1, 1}, dt);
+  s.materials[0].young = 2e6;
+  s.materials[0].poisson = 0.25;
+  if (hertz)
+    hertz_law(s, 0.5, 0);
+  else
+    linear_restitution(s, 2e4, 0.5);
+  s.contact.dashpot = dashpot;
+  s.gravity = {0, 0, -9.81};
+  s.allow_initial_overlap = true;
+  s.max_overlap = 0.5;
+  s.walls = {plane("floor", {0, 0, 0}, {0, 0, 1}), plane("lid", {0, 0, 3.9 * r}, {0, 0, -1})};
+  add_grains(s, {{{0, 0, 0.99 * r}, {0, 0, 0}, r}, {{0, 0, 2.96 * r}, {0, 0, 0}, r}});
+  Simulation sim(s, options());
+  sim.run(std::llround(duration / dt));
+  const Frame f = sim.frame();
+  return {f.x[0].z, f.x[1].z};
+}
+
+TEST(Order, ClampedStackConvergesWithOrderTwoWhileMovingAndRestsWithoutError) {
+  const double start = 0.0128, rest = 2.048;  // a few oscillations; long after they have died out
+  const auto error = [](Dashpot dashpot, bool hertz, double dt, double duration) {
+    const std::vector<double> exact = clamped_stack(Dashpot::centred, hertz, 2e-6, duration);
+    const std::vector<double> now = clamped_stack(dashpot, hertz, dt, duration);
+    return std::max(std::fabs(now[0] - exact[0]), std::fabs(now[1] - exact[1])) / 0.05;
+  };
+  const std::vector<double> dt = {2.56e-4, 1.28e-4, 6.4e-5, 3.2e-5};
+  for (const bool hertz : {false, true}) {
+    const std::string name = std::string("clamped stack, e 0.5, ") + (hertz ? "Hertz" : "linear");
+    std::vector<double> centred, pairwise;
+    for (const double t : dt) {
+      centred.push_back(error(Dashpot::centred, hertz, t, start));
+      pairwise.push_back(error(Dashpot::pairwise, hertz, t, start));
+    }
+    figure(name + ": order, centred dashpot", log_slope(dt, centred));
+    figure(name + ": order, pairwise dashpot", log_slope(dt, pairwise));
+    EXPECT_GE(log_slope(dt, centred), 1.85) << name;
+    EXPECT_LE(log_slope(dt, pairwise), 1.4) << name;  // the control
+    const double resting = error(Dashpot::centred, hertz, dt[0], rest),
+                 soft = error(Dashpot::pairwise, hertz, dt[0], rest);
+    figure(name + ": error at rest / R, centred dashpot, largest step", resting);
+    figure(name + ": error at rest / R, pairwise dashpot, largest step", soft);
+    EXPECT_LT(resting, 1e-11) << name;
+    EXPECT_GT(soft, 1e-5) << name;
+  }
+}
+
 }  // namespace
 }  // namespace talus::verification
