@@ -102,7 +102,9 @@ struct FrameRequest {
 
 class Simulation {
  public:
-  /// Builds everything for step 0. Errors: Error{scene} (also unstable dt, see core/timestep.hpp), Error{physics}.
+  /// Builds everything for step 0. Errors: Error{scene}, Error{physics}. It takes any time step: whether one can be
+  /// stable depends on speeds that the caller knows (time_step_limits() in core/timestep.hpp; the command line asks
+  /// it).
   Simulation(const Scene& scene, const RunOptions& options);
   /// Continues from a checkpoint of the same scene (any threads, ISA, chunk, policy, K).
   Simulation(const Scene& scene, const RunOptions& options, const CheckpointReader& checkpoint);
