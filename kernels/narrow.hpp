@@ -235,15 +235,12 @@ TALUS_INLINE void scatter_rows(const ScatterArgs& a, int k, const typename S::B*
     S::scatter4(a.f, a.i + k, a.j + k, r, both);
 }
 
-/// Adds the block's force rows to the particles, contact by contact in list order (I3).
+/// Adds the force rows r of contacts k .. k + W to the particles, contact by contact in list order (I3); those from
+/// a.n on are padding.
 template <class S, bool Rotation>
-void scatter(const ScatterArgs& a) {
-  using B = typename S::B;
+TALUS_INLINE void scatter_group(const ScatterArgs& a, int k, const typename S::B* r) {
   constexpr int rows = Rotation ? 8 : 4;
-  int k = 0;
-  for (; k + S::W <= a.n; k += S::W) {
-    B r[rows];
-    for (int c = 0; c < rows; ++c) r[c] = S::load(a.r[c] + k);
+  if (k + S::W <= a.n) {
     // constants in the usual cases: the tests per contact vanish
     if (k >= a.both_from && k + S::W <= a.both_to) {
       scatter_rows<S, Rotation>(a, k, r, (1U << S::W) - 1U);
@@ -254,15 +251,29 @@ void scatter(const ScatterArgs& a) {
       for (int q = 0; q < S::W; ++q) both |= (k + q >= a.both_from && k + q < a.both_to ? 1U : 0U) << q;
       scatter_rows<S, Rotation>(a, k, r, both);
     }
+    return;
   }
-  for (; k < a.n; ++k) {
-    double* fa = a.f + static_cast<long>(rows) * a.i[k];
-    for (int c = 0; c < rows; ++c) fa[c] = fa[c] + a.r[c][k];
-    if (k >= a.both_from && k < a.both_to) {
-      double* fb = a.f + static_cast<long>(rows) * a.j[k];
-      for (int c = 0; c < 3; ++c) fb[c] = fb[c] - a.r[c][k];
-      for (int c = 3; c < rows; ++c) fb[c] = fb[c] + a.r[c][k];
+  double row[rows][S::W];
+  for (int c = 0; c < rows; ++c) S::store(row[c], r[c]);
+  for (int q = 0; k + q < a.n; ++q) {
+    double* fa = a.f + static_cast<long>(rows) * a.i[k + q];
+    for (int c = 0; c < rows; ++c) fa[c] = fa[c] + row[c][q];
+    if (k + q >= a.both_from && k + q < a.both_to) {
+      double* fb = a.f + static_cast<long>(rows) * a.j[k + q];
+      for (int c = 0; c < 3; ++c) fb[c] = fb[c] - row[c][q];
+      for (int c = 3; c < rows; ++c) fb[c] = fb[c] + row[c][q];
     }
+  }
+}
+
+/// Adds the block's force rows to the particles.
+template <class S, bool Rotation>
+void scatter(const ScatterArgs& a) {
+  constexpr int rows = Rotation ? 8 : 4;
+  for (int k = 0; k < a.n; k += S::W) {
+    typename S::B r[rows];
+    for (int c = 0; c < rows; ++c) r[c] = S::load(a.r[c] + k);
+    scatter_group<S, Rotation>(a, k, r);
   }
 }
 

@@ -50,6 +50,9 @@ struct Block {
   const double* reff;            ///< R* [m] where the law wants it
   const std::int32_t* pair;      ///< material pair index where there are several materials
   double (*e)[k_block + k_pad];  ///< energy terms out: elastic [J], damping loss, friction loss of this step [J]
+  /// Out of a trial (KernelTable::trial): 0 Coulomb limit [N], 1 trial force times tangential velocity [W], 2 damping
+  /// rate [kg/s]; r holds 0..2 trial tangential force [N], 3 stiffness, 4..6 normal, 7 normal force [N].
+  double (*t)[k_block + k_pad];
 };
 
 /// Coefficients of one material pair for what is added to a law; see kernels/models/moments.hpp and cohesion.hpp.
@@ -104,6 +107,15 @@ struct ScatterArgs {
   int n;
   int both_from, both_to;  ///< contacts of the block in [from, to) also act on j
   double (*r)[k_block + k_pad];
+};
+
+/// Scatter of a trial: limits the tangential force, corrects the spring of sliding contacts, then adds as ScatterArgs.
+struct LimitArgs {
+  ScatterArgs to;
+  double (*t)[k_block + k_pad];  ///< see Block::t
+  const double* lever;           ///< Block::g[3], or null: levers are the radii
+  double* h[3];                  ///< tangential spring [m]
+  double back;                   ///< spring per limited force [m/N]
 };
 
 /// Relative spin of a block's contacts, for laws with rolling or twisting.
@@ -229,6 +241,11 @@ struct KernelTable {
   void (*integrate[2])(IntegrateArgs&);    ///< [rotation]
   void (*search)(SearchArgs&);
   void (*law[24])(Block&, const LawArgs&);
+  /// The linear law with friction and one material pair up to the Coulomb limit, and the scatter that applies it. One
+  /// after the other they give the bits of law and scatter: the limit's root and division wait in a pass whose time
+  /// goes into loads, stores and shuffles instead of in one that multiplications bind.
+  double (*trial)(Block&, const LawArgs&);  ///< returns LimitArgs::back
+  void (*scatter_limited)(const LimitArgs&);
   void (*narrow_adhesive)(NarrowArgs&, const AdhesiveArgs&);  ///< history is left to carry
   void (*carry)(const CarryArgs&);
   void (*spin)(const SpinArgs&);

@@ -101,7 +101,10 @@ inline constexpr std::size_t k_streamed_bytes = std::size_t{64} << 20;  ///< of 
 
 }  // namespace
 
-Block evaluate_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers& buffers) {
+namespace {
+
+/// Geometry and motion of the chunk's contacts from k0 on, at most k_block.
+Block gather_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers& buffers) {
   const Scratch& s = *c.scratch;
   const std::int64_t left = c.contact_end[2] - k0;
   Block b{};
@@ -142,6 +145,14 @@ Block evaluate_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers&
   b.reff = buffers.reff;
   b.pair = buffers.pair;
   b.e = buffers.e;
+  b.t = buffers.t;
+  return b;
+}
+
+}  // namespace
+
+Block evaluate_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers& buffers) {
+  Block b = gather_contacts(w, c, k0, buffers);
   w.kernels->law[w.law_variant](b, w.law_args);
   if (w.has.moments || w.has.cohesion) evaluate_add_ons(w, c, k0, b, buffers);
   return b;
@@ -249,14 +260,23 @@ void force_chunk(World& w, Chunk& c) {
     }
   }
   for (std::int64_t k0 = 0; k0 < total; k0 += k_block) {
-    const Block b = evaluate_contacts(w, c, k0, buffers);
-    const int from = static_cast<int>(std::clamp<std::int64_t>(both_from - k0, 0, b.n));
-    const int to = static_cast<int>(std::clamp<std::int64_t>(both_to - k0, 0, b.n));
-    w.kernels->scatter[rotation](ScatterArgs{f, s.ci.data() + k0, s.cj.data() + k0, b.n, from, to, buffers.r});
+    const int n = static_cast<int>(std::min<std::int64_t>(k_block, total - k0));
+    const int from = static_cast<int>(std::clamp<std::int64_t>(both_from - k0, 0, n));
+    const int to = static_cast<int>(std::clamp<std::int64_t>(both_to - k0, 0, n));
+    const ScatterArgs rows{f, s.ci.data() + k0, s.cj.data() + k0, n, from, to, buffers.r};
+    if (w.trial) {
+      Block b = gather_contacts(w, c, k0, buffers);
+      const double back = w.kernels->trial(b, w.law_args);
+      w.kernels->scatter_limited(LimitArgs{
+          rows, buffers.t, w.law_args.contact_lever != 0 ? buffers.g[3] : nullptr, {b.h[0], b.h[1], b.h[2]}, back});
+      continue;
+    }
+    evaluate_contacts(w, c, k0, buffers);
+    w.kernels->scatter[rotation](rows);
     if (w.has.moments)
       w.kernels->scatter[0](ScatterArgs{s.m.data() - 4 * static_cast<std::ptrdiff_t>(c.lo), s.ci.data() + k0,
-                                        s.cj.data() + k0, b.n, from, to, buffers.s});
-    if (w.has.energies) scatter_energy(w, s.ci.data() + k0, s.cj.data() + k0, b.n, from, to, buffers.e);
+                                        s.cj.data() + k0, n, from, to, buffers.s});
+    if (w.has.energies) scatter_energy(w, s.ci.data() + k0, s.cj.data() + k0, n, from, to, buffers.e);
   }
   if (!faulty.empty()) {  // the history goes back into list order: only the order of the sums was wrong
     std::vector<std::int64_t> back(faulty.size());

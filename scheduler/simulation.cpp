@@ -66,6 +66,8 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   configure_add_ons(w);
   w.stride = h.rotation ? 8 : 4;
   w.law_variant = law_index(*w.law, scene.contact.friction, h.materials, h.energies);
+  w.trial = scene.contact.model == ContactModel::linear && scene.contact.friction &&
+            scene.contact.sliding == Sliding::bounded && !h.materials && !h.energies && !h.moments && !h.cohesion;
   w.parameters = pair_parameters(scene);
   w.law_args.one = w.parameters[0];
   w.law_args.table = w.parameters.data();

@@ -190,6 +190,7 @@ struct World {
   std::string isa_why;
   const LawInfo* law = nullptr;
   int law_variant = 0;
+  bool trial = false;  ///< the Coulomb limit is applied by the scatter (KernelTable::trial)
   std::vector<PairParameters> parameters;  ///< particle pairs, and walls (same table: walls are materials)
   LawArgs law_args{};
   std::vector<AddOnParameters> add_ons;  ///< like parameters; empty without rolling, twisting and cohesion
@@ -317,6 +318,7 @@ void narrow_chunk(World& w, Chunk& c);
 struct BlockBuffers {
   alignas(64) double x[4][k_block + k_pad], g[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad],
       reff[k_block + k_pad];
+  alignas(64) double t[3][k_block + k_pad];  ///< see Block::t
   alignas(64) double s[4][k_block + k_pad];  ///< spins, then moments; rolling and twisting only
   alignas(64) std::int32_t pair[k_block + k_pad];
   BlockBuffers() noexcept {

@@ -20,6 +20,7 @@
 // Reads kn, kt [N/m], gn, gt [1/s] (or 2 beta [-] with by_restitution), mu.
 #pragma once
 
+#include "kernels/narrow.hpp"
 #include "kernels/simd.hpp"
 #include "kernels/views.hpp"
 
@@ -130,25 +131,53 @@ TALUS_INLINE typename S::B over_root(typename S::B a, typename S::B b) {
     return a / S::sqrt(b);
 }
 
+/// Coulomb: the factor that brings a trial force g to the limit, and the spring that carries what the dashpot leaves of
+/// it. No branch: some of eight contacts slide often enough that mispredictions cost more than the arithmetic.
+template <class S>
+struct CoulombLimit {
+  typename S::M slides;
+  typename S::B inv_g, along, spring, scale;  ///< along: tangential velocity along g; spring [N]
+  TALUS_INLINE void set(const typename S::B* g, typename S::B limit, typename S::B power, typename S::B rate) {
+    const auto one = S::set(1.0), g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
+    slides = S::gt(g2, limit * limit);
+    inv_g = over_root<S>(one, g2);
+    along = power * inv_g;
+    spring = limit + rate * along;
+    scale = S::select(slides, limit * inv_g, one);
+  }
+  /// Spring [m] over trial force, for sliding contacts. It never pushes backwards: a spring loaded against the dashpot
+  /// would part with energy that nothing gave back.
+  TALUS_INLINE typename S::B keep(typename S::B back) const {
+    const auto zero = S::set(0.0);
+    return (S::select(S::gt(spring, zero), spring, zero) * inv_g) * back;
+  }
+};
+
 /// Denominators of the centred dashpot and what else depends on the coefficients alone; loop-invariant where the scene
 /// has one material pair and damping rates, because divisions and square roots are what bounds this kernel.
 template <class S>
 struct LinearFactors {
-  typename S::B gn, gt, shrink_n, shrink_t, back;
-  TALUS_INLINE void set(typename S::B kt, typename S::B rate_n, typename S::B rate_t, const LawArgs& a) {
+  typename S::B gn, gt, back;
+  typename S::B spring_n, rate_n, spring_t, rate_t;  ///< stiffnesses and rates over their denominators
+  TALUS_INLINE void set(const typename S::B& kn, const typename S::B& kt, typename S::B damping_n,
+                        typename S::B damping_t, const LawArgs& a) {
     const auto one = S::set(1.0);
     // Tangential compliance of two rolling spheres is 7/2 of the translational one (I = 2/5 m r^2, lever r).
-    const auto grow_n = one + S::set(0.5 * a.dt) * rate_n, grow_t = one + S::set(0.5 * 3.5 * a.dt) * rate_t;
-    gn = rate_n;
-    gt = rate_t;
-    shrink_n = a.centred != 0 ? one / grow_n : one;
-    shrink_t = a.centred != 0 ? one / grow_t : one;
+    const auto grow_n = one + S::set(0.5 * a.dt) * damping_n, grow_t = one + S::set(0.5 * 3.5 * a.dt) * damping_t;
+    const auto shrink_n = a.centred != 0 ? one / grow_n : one, shrink_t = a.centred != 0 ? one / grow_t : one;
+    gn = damping_n;
+    gt = damping_t;
+    spring_n = kn * shrink_n;
+    rate_n = gn * shrink_n;
+    spring_t = kt * shrink_t;
+    rate_t = gt * shrink_t;
     back = a.centred != 0 ? grow_t / kt : one / kt;
   }
 };
 
-template <class S, bool Friction, bool Multi, bool Energy>
-void force(Linear, Block& block, const LawArgs& args) {
+/// Trial: stops before the Coulomb limit and leaves its input (Block::t). Returns 1/(k_t shrink) of one material pair.
+template <class S, bool Friction, bool Multi, bool Energy, bool Trial>
+double linear_force(Block& block, const LawArgs& args) {
   using B = typename S::B;
   constexpr int k_mass = Friction ? 7 : 3, k_recall = Friction ? Linear::history : 0;
   const LawArgs a = args;  // local copies: the stores below cannot alias them
@@ -157,8 +186,10 @@ void force(Linear, Block& block, const LawArgs& args) {
   Coefficients<S, Multi> c;
   LinearFactors<S> shared{};
   const bool constant = !Multi && a.by_restitution == 0;
-  if constexpr (!Multi) c.load(b, a, 0);
-  if (constant) shared.set(c.kt, c.gn, c.gt, a);
+  if constexpr (!Multi) {
+    c.load(b, a, 0);
+    shared.set(c.kn, c.kt, c.gn, c.gt, a);
+  }
   for (int k = 0; k < b.n; k += S::W) {
     if constexpr (Multi) c.load(b, a, k);
     const B x[3] = {S::load(b.x + k), S::load(b.y + k), S::load(b.z + k)};
@@ -169,17 +200,20 @@ void force(Linear, Block& block, const LawArgs& args) {
     LinearFactors<S> f = shared;
     if (!constant) {
       const B root = a.by_restitution != 0 ? S::sqrt(c.kn * S::load(b.r[k_mass] + k)) : one;
-      f.set(c.kt, c.gn * root, c.gt, a);  // the tangential rate stays in 1/s
+      f.set(c.kn, c.kt, c.gn * root, c.gt, a);  // the tangential rate stays in 1/s
     }
     MidNormal<S> mid;
     if (Friction || a.recall != 0) mid.set(v, n, vn, inv, a.dt, a.synchronised);
-    B fn = c.kn * delta, vd = vn;  // vd: velocity that the dashpot sees
+    const B spring_force = c.kn * delta;
+    B vd = vn;  // velocity that the dashpot sees
     if (a.recall != 0)
-      vd = dashpot_velocity<S>(vn, mid, S::load(b.h[k_recall] + k), fn, S::load(b.r[k_mass] + k), delta, a.dt);
+      vd =
+          dashpot_velocity<S>(vn, mid, S::load(b.h[k_recall] + k), spring_force, S::load(b.r[k_mass] + k), delta, a.dt);
     const B step = S::abs(vn) * dt;
     const auto brief = S::lt(delta, step);
     B slid = dt;      // how long the tangential spring has moved with the spheres
     B counted = one;  // 0: the last step has counted the dashpot to the end
+    B fn = f.spring_n * delta - f.rate_n * (meff * vd);
     const auto remember = [&](B prediction) {
       if (a.recall != 0) S::store(b.h[k_recall] + k, prediction);
     };
@@ -195,11 +229,11 @@ void force(Linear, Block& block, const LawArgs& args) {
         weight = weight * counted;
       }
       const B gn = f.gn * weight;
-      fn = (fn - gn * (meff * vd)) * (one / (one + hdt * gn));
+      // the other lanes keep their bits: how many share a vector depends on the instruction set
+      fn = S::select(brief, (spring_force - gn * (meff * vd)) * (one / (one + hdt * gn)), fn);
       const B next = vn + dt * (fn * S::load(b.r[k_mass] + k));
       remember(S::select(brief, S::select(leaves, zero, next), next));
     } else {
-      fn = (fn - f.gn * (meff * vd)) * f.shrink_n;
       remember(vn + dt * (fn * S::load(b.r[k_mass] + k)));
     }
     B force_i[3] = {fn * n[0], fn * n[1], fn * n[2]};
@@ -220,37 +254,46 @@ void force(Linear, Block& block, const LawArgs& args) {
       tangential_velocity<S>(v, s, mid, t);
       B h[3] = {S::load(b.h[0] + k), S::load(b.h[1] + k), S::load(b.h[2] + k)};
       const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
-      const B gm = f.gt * meff;
+      const B rate = f.rate_t * meff;
       B g[3], trial[3];
       for (int p = 0; p < 3; ++p) {
         h[p] = trial[p] = (h[p] - hn * n[p]) + t[p] * slid;
-        g[p] = zero - (c.kt * h[p] + gm * t[p]) * f.shrink_t;
+        g[p] = zero - (f.spring_t * h[p] + rate * t[p]);
       }
-      const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
       const B limit = c.mu * S::select(S::gt(fn, zero), fn, zero);
-      const auto slides = S::gt(g2, limit * limit);
-      B damped = zero;  // power of the dashpot
-      if constexpr (Energy) damped = gm * ((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]);
-      // Coulomb: scale the force; the spring carries what the dashpot leaves of it, and never pushes backwards: a
-      // spring loaded against the dashpot would part with energy that nothing gave back. No branch: some of eight
-      // contacts slide often enough that mispredictions cost more than the arithmetic.
-      const B inv_g = over_root<S>(one, g2), along = ((g[0] * t[0] + g[1] * t[1]) + g[2] * t[2]) * inv_g;
-      const B spring = limit + (gm * f.shrink_t) * along;
-      const B scale = S::select(slides, limit * inv_g, one);
-      if (a.balanced == 0) {
-        const B keep = (S::select(S::gt(spring, zero), spring, zero) * inv_g) * f.back;
-        for (int p = 0; p < 3; ++p) h[p] = S::select(slides, zero - g[p] * keep, h[p]);
-      } else {
-        const B dashpot = gm * f.shrink_t;
-        for (int p = 0; p < 3; ++p) h[p] = S::select(slides, zero - (g[p] * scale + dashpot * t[p]) * f.back, h[p]);
+      const B power = (g[0] * t[0] + g[1] * t[1]) + g[2] * t[2];
+      if constexpr (Trial) {
+        for (int p = 0; p < 3; ++p) {
+          S::store(b.h[p] + k, h[p]);
+          S::store(b.r[p] + k, g[p]);
+          S::store(b.r[4 + p] + k, n[p]);
+        }
+        S::store(b.r[3] + k, c.kn);
+        S::store(b.r[7] + k, fn);
+        S::store(b.t[0] + k, limit);
+        S::store(b.t[1] + k, power);
+        S::store(b.t[2] + k, rate);
+        continue;
       }
-      for (int p = 0; p < 3; ++p) g[p] = g[p] * scale;
+      B damped = zero;  // power of the dashpot
+      if constexpr (Energy) damped = (f.gt * meff) * ((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]);
+      CoulombLimit<S> coulomb;
+      coulomb.set(g, limit, power, rate);
+      if (a.balanced == 0) {
+        const B keep = coulomb.keep(f.back);
+        for (int p = 0; p < 3; ++p) h[p] = S::select(coulomb.slides, zero - g[p] * keep, h[p]);
+      } else {
+        for (int p = 0; p < 3; ++p)
+          h[p] = S::select(coulomb.slides, zero - (g[p] * coulomb.scale + rate * t[p]) * f.back, h[p]);
+      }
+      for (int p = 0; p < 3; ++p) g[p] = g[p] * coulomb.scale;
       if (Energy && a.balanced == 0) {
         // where the limit caps the dashpot itself: the mean of the forces before and after the step counts
         B last = zero;
         for (int p = 0; p < 3; ++p) last = last + S::abs(trial[p] - t[p] * slid);
-        const B capped = zero - limit * along, mean = half * (capped + S::select(S::gt(last, zero), damped, capped));
-        damped = S::select(slides, S::select(S::gt(spring, zero), damped, mean), damped);
+        const B capped = zero - limit * coulomb.along,
+                mean = half * (capped + S::select(S::gt(last, zero), damped, capped));
+        damped = S::select(coulomb.slides, S::select(S::gt(coulomb.spring, zero), damped, mean), damped);
       }
       for (int p = 0; p < 3; ++p) {
         S::store(b.h[p] + k, h[p]);
@@ -276,6 +319,49 @@ void force(Linear, Block& block, const LawArgs& args) {
     S::store(b.r[1] + k, force_i[1]);
     S::store(b.r[2] + k, force_i[2]);
     S::store(b.r[3] + k, c.kn);
+  }
+  if constexpr (!Trial) return 0;
+  double back[S::W];
+  S::store(back, shared.back);
+  return back[0];
+}
+
+template <class S, bool Friction, bool Multi, bool Energy>
+void force(Linear, Block& b, const LawArgs& a) {
+  linear_force<S, Friction, Multi, Energy, false>(b, a);
+}
+
+/// KernelTable::trial: friction, one material pair, no energies.
+template <class S>
+double linear_trial(Block& b, const LawArgs& a) {
+  return linear_force<S, true, false, false, true>(b, a);
+}
+
+/// KernelTable::scatter_limited.
+template <class S>
+void scatter_limited(const LimitArgs& args) {
+  using B = typename S::B;
+  const LimitArgs a = args;
+  const B zero = S::set(0.0), one = S::set(1.0), back = S::set(a.back);
+  for (int k = 0; k < a.to.n; k += S::W) {
+    const B g[3] = {S::load(a.to.r[0] + k), S::load(a.to.r[1] + k), S::load(a.to.r[2] + k)};
+    const B n[3] = {S::load(a.to.r[4] + k), S::load(a.to.r[5] + k), S::load(a.to.r[6] + k)};
+    const B fn = S::load(a.to.r[7] + k), lever = a.lever != nullptr ? S::load(a.lever + k) : one;
+    CoulombLimit<S> coulomb;
+    coulomb.set(g, S::load(a.t[0] + k), S::load(a.t[1] + k), S::load(a.t[2] + k));
+    const B keep = coulomb.keep(back);
+    B r[8], f[3];
+    for (int p = 0; p < 3; ++p) {
+      S::store(a.h[p] + k, S::select(coulomb.slides, zero - g[p] * keep, S::load(a.h[p] + k)));
+      f[p] = g[p] * coulomb.scale;
+      r[p] = fn * n[p] + f[p];
+    }
+    r[3] = S::load(a.to.r[3] + k);
+    r[4] = lever * (n[2] * f[1] - n[1] * f[2]);
+    r[5] = lever * (n[0] * f[2] - n[2] * f[0]);
+    r[6] = lever * (n[1] * f[0] - n[0] * f[1]);
+    r[7] = zero;
+    scatter_group<S, true>(a.to, k, r);
   }
 }
 
