@@ -27,7 +27,7 @@ enum class Lever : std::uint8_t { contact, radius };
 enum class Sliding : std::uint8_t { bounded, balanced };
 enum class Integrator : std::uint8_t { velocity_verlet, leapfrog };
 /// exact: the same bits on every instruction set. fast: fused multiply-add and estimated reciprocals; the bits depend
-/// on the instruction set, and on nothing else.
+/// on the instruction set and on whether energies are summed (another kernel, fused otherwise), on nothing else.
 enum class Precision : std::uint8_t { exact, fast };
 enum class ListPolicy : std::uint8_t {
   always,
