@@ -17,11 +17,11 @@ constexpr double k_first[2] = {20, 300};  // of the first guess
 constexpr double k_least_k = 1, k_most_k = 5000, k_least_floor = 1e-4, k_most_floor = 0.25;
 constexpr double k_weight = 0.5;     // of one interval in the moving average of ln K and ln floor
 constexpr double k_most_change = 2;  // of K or floor in one rebuild
-// Share of the run time that rebuilds should not exceed, and how much longer than cheapest lists may last for it: the
-// optimum is flat, 1.25 costs (1.25 + 1 / 1.25) / 2 - 1 = 2.5 % of the lists' own cost.
 // Intervals that nobody looks at once K has settled, unless one is unexpectedly short or long. A look costs some 20 ns
 // per particle, a rebuild 110 (chute of 32k grains).
 constexpr int k_rest = 3;
+// Share of the run time that rebuilds should not exceed, and how much longer than cheapest lists may last for it: the
+// optimum is flat, 1.25 costs (1.25 + 1 / 1.25) / 2 - 1 = 2.5 % of the lists' own cost.
 constexpr double k_share = 0.047, k_longer = 1.25;
 constexpr std::int64_t k_sample = 16;  // every k_sample-th group of 8 slots is looked at
 constexpr int k_wall_sample = 16;      // and every k_wall_sample-th row near a wall

@@ -99,8 +99,7 @@ constexpr SceneKey k_keys[] = {
      "tangential damping rate g: force = g m_eff v", "25"},
     {"contact", "dashpot", T::choice, "", 0, 0, false, "centred|pairwise|lagged", "\"centred\"", "",
      "velocity in the dashpot: centred in time (second order), the same with the forces of the pair alone (second "
-     "order "
-     "in impacts, soft at rest under load), or of the last half step (first order, as other codes)",
+     "order in impacts, soft at rest under load), or of the last half step (first order, as other codes)",
      "\"lagged\""},
     {"contact", "onset_correction", T::boolean, "", 0, 0, false, "", "true", "",
      "weigh the dashpot by the touching fraction of the first and last step of a contact", "false"},
@@ -111,12 +110,11 @@ constexpr SceneKey k_keys[] = {
      "\"radius\""},
     {"contact", "sliding", T::choice, "", 0, 0, false, "bounded|balanced", "\"bounded\"", "model=linear",
      "spring of a sliding contact: what the dashpot leaves of the limit, at least nothing, or the scaled force less "
-     "the "
-     "dashpot (may load the spring backwards, as LAMMPS)",
+     "the dashpot (may load the spring backwards, as LAMMPS)",
      "\"balanced\""},
     {"contact", "rolling", T::choice, "", 0, 0, false, "none|cdt|epsd", "\"none\"", "",
-     "rolling resistance; cdt: constant moment against the spin; epsd: spring, dashpot and slider (rests without "
-     "creep)",
+     "rolling resistance; cdt: constant moment against the spin; epsd: spring, dashpot and slider (rests "
+     "without creep)",
      "\"epsd\""},
     {"contact", "rolling_friction", T::number, "-", 0, 100, false, "", "0", "rolling=cdt|epsd",
      "mu_r in moment <= mu_r R* F_n", "0.1"},

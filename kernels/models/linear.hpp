@@ -159,8 +159,8 @@ template <class S>
 struct LinearFactors {
   typename S::B gn, gt, back;
   typename S::B spring_n, rate_n, spring_t, rate_t;  ///< stiffnesses and rates over their denominators
-  TALUS_INLINE void set(const typename S::B& kn, const typename S::B& kt, typename S::B damping_n,
-                        typename S::B damping_t, const LawArgs& a) {
+  TALUS_INLINE void set(typename S::B kn, typename S::B kt, typename S::B damping_n, typename S::B damping_t,
+                        const LawArgs& a) {
     const auto one = S::set(1.0);
     // Tangential compliance of two rolling spheres is 7/2 of the translational one (I = 2/5 m r^2, lever r).
     const auto grow_n = one + S::set(0.5 * a.dt) * damping_n, grow_t = one + S::set(0.5 * 3.5 * a.dt) * damping_t;
