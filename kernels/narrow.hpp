@@ -1,4 +1,4 @@
-// Narrow phase: exact touch test of candidate pairs, compaction of the touching ones, history carry-over.
+// Narrow phase: exact touch test of candidate pairs, compaction of the touching ones, where their history is.
 // Instantiated by isa_*.cpp. Invariants: I3 (contacts keep the order of the candidates), I5 (history of a pair that
 // does not touch is dropped here).
 #pragma once
@@ -34,50 +34,58 @@ TALUS_INLINE void carry_changed(unsigned old_bits, unsigned new_bits, const doub
   }
 }
 
-/// Moves the contact history from the compact order of the previous step to that of the present one. Most groups of
-/// eight slots keep their touching set, so their entries wait as one run and are copied together; a scene at rest
-/// copies nothing at all. Reads and writes up to eight entries beyond the end, the padding allows it.
-template <class S, int History>
-struct HistoryCarry {
-  const double* from[History + 1];
-  double* to[History + 1];
-  std::int64_t run_from = 0, run_to = 0, next_from = 0, next_to = 0;
+/// Where contacts find their history of the last step, as runs: most groups of eight slots keep their touching set, so
+/// the order of the entries changes seldom. The laws read the old columns through it and write new ones; a scene at rest
+/// has no run and keeps its columns.
+struct RunList {
+  HistoryRun* runs;
+  std::int32_t count = 0, from = 0, to = 0;  ///< entries before the present slot, of the last step and of this one
+  bool fresh = false;                        ///< the last run is one of new contacts
 
-  TALUS_INLINE explicit HistoryCarry(const NarrowArgs& a) {
-    for (int c = 0; c < History; ++c) {
-      from[c] = a.h_old[c];
-      to[c] = a.h_new[c];
-    }
-  }
-  __attribute__((noinline)) void copy_run() {
-    for (int c = 0; c < History; ++c) {
-      const double* f = from[c] + run_from;
-      double* t = to[c] + run_to;
-      for (std::int64_t k = 0; k < next_from - run_from; k += S::W) S::store(t + k, S::load(f + k));
-    }
+  TALUS_INLINE explicit RunList(HistoryRun* r) : runs(r) {}
+  TALUS_INLINE void begin(std::int32_t source) {
+    if (count > 0 && runs[count - 1].to == to) --count;  // nothing has followed that one
+    runs[count++] = {to, source};
+    fresh = source < 0;
   }
   __attribute__((noinline)) void changed(unsigned was, unsigned is) {
-    copy_run();
-    for (int c = 0; c < History; ++c) carry_changed<S>(was, is, from[c] + next_from, to[c] + next_to);
-    run_from = next_from += __builtin_popcount(was);
-    run_to = next_to += __builtin_popcount(is);
+    std::int32_t shift = from - to;
+    for (unsigned left = was | is; left != 0; left &= left - 1) {
+      const unsigned bit = left & (0U - left);
+      if ((is & bit) == 0) {
+        ++from;
+      } else if ((was & bit) == 0) {
+        if (!fresh) begin(-1);
+        ++to;
+      } else {
+        if (fresh || from - to != shift) begin(from);
+        shift = from - to;
+        ++from;
+        ++to;
+      }
+    }
+    if (fresh || from - to != shift) begin(from);
   }
   TALUS_INLINE void group(unsigned was, unsigned is) {
     if (__builtin_expect(was == is, 1)) {
       const int n = __builtin_popcount(is);
-      next_from += n;
-      next_to += n;
+      from += n;
+      to += n;
     } else {
       changed(was, is);
     }
+  }
+  /// Number of runs; 0 where nothing has moved.
+  TALUS_INLINE std::int32_t finish() const {
+    return count > 0 && runs[count - 1].to == to ? count - 1 : count;
   }
 };
 
 inline constexpr std::int64_t k_near = 96,
                               k_far = 512;  ///< slots ahead for rows and for lists (measured at 128k grains)
 
-template <class S, int History, bool Periodic>
-TALUS_INLINE std::int32_t* narrow_section(const NarrowArgs& a, HistoryCarry<S, History>& history, std::int64_t s,
+template <class S, bool History, bool Periodic>
+TALUS_INLINE std::int32_t* narrow_section(const NarrowArgs& a, RunList& history, std::int64_t s,
                                           std::int64_t end, std::int32_t* ci, std::int32_t* cj) {
   using B = typename S::B;
   for (; s < end; s += 8) {
@@ -87,7 +95,6 @@ TALUS_INLINE std::int32_t* narrow_section(const NarrowArgs& a, HistoryCarry<S, H
     __builtin_prefetch(a.pj + s + k_far);
     if (s + k_near + 8 <= end)
       for (int k = 0; k < 8; ++k) __builtin_prefetch(a.p + 4L * a.pj[s + k_near + k]);
-    for (int c = 0; c < History; ++c) __builtin_prefetch(history.from[c] + history.next_from + k_far / 2, 0, 2);
     for (int k = 0; k < 8; k += S::W) {
       B d[4];
       S::pair_rows4(a.p, a.pi + s + k, a.pj + s + k, d);
@@ -104,15 +111,15 @@ TALUS_INLINE std::int32_t* narrow_section(const NarrowArgs& a, HistoryCarry<S, H
     }
     const unsigned was = a.mask[s >> 3];
     a.mask[s >> 3] = static_cast<std::uint8_t>(bits);
-    if constexpr (History > 0) history.group(was, bits);
+    if constexpr (History) history.group(was, bits);
   }
   return ci;
 }
 
-template <class S, int History>
+template <class S, bool History>
 void narrow_slots(NarrowArgs& args) {
   const NarrowArgs a = args;  // a local copy: the stores below cannot alias it
-  HistoryCarry<S, History> history(a);
+  RunList history(a.runs);
   std::int32_t* ci = a.ci;
   std::int64_t s = 0;
   for (int section = 0; section < 3; ++section) {
@@ -124,25 +131,15 @@ void narrow_slots(NarrowArgs& args) {
     s = a.end[section];
     args.contact_end[section] = ci - a.ci;
   }
-  args.history_moved = history.run_to != 0 || history.run_from != 0 ? 1 : 0;
-  if constexpr (History > 0)
-    if (args.history_moved != 0) history.copy_run();
+  args.run_count = History ? history.finish() : 0;
 }
 
 template <class S>
 void narrow(NarrowArgs& a) {
-  switch (a.history) {
-    case 0:
-      return narrow_slots<S, 0>(a);
-    case 1:
-      return narrow_slots<S, 1>(a);
-    case 3:
-      return narrow_slots<S, 3>(a);
-    case 4:
-      return narrow_slots<S, 4>(a);
-    default:
-      return narrow_slots<S, 5>(a);
-  }
+  if (a.runs != nullptr)
+    narrow_slots<S, true>(a);
+  else
+    narrow_slots<S, false>(a);
 }
 
 /// What every law needs of a contact's geometry, from the centre difference x, the sum of radii w and the sum of

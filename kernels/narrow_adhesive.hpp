@@ -54,7 +54,7 @@ void narrow_adhesive(NarrowArgs& args, const AdhesiveArgs& adhesive) {
     }
     args.contact_end[section] = contacts;
   }
-  args.history_moved = 0;
+  args.run_count = 0;
 }
 
 template <class S>

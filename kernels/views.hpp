@@ -12,7 +12,12 @@ inline constexpr int k_max_history = 5;  ///< history columns of the widest law
 inline constexpr int k_max_moment = 5;   ///< history columns of rolling and twisting, behind those of the law
 inline constexpr int k_max_columns = k_max_history + k_max_moment;
 
-/// Narrow phase of one chunk: candidate pairs -> compact contacts, history carried from old to new.
+/// Contacts from `to` on, up to the next run, have their history of the last step at `from` and after; -1: they are new.
+struct HistoryRun {
+  std::int32_t to, from;
+};
+
+/// Narrow phase of one chunk: candidate pairs -> compact contacts, and where each finds its history of the last step.
 struct NarrowArgs {
   const double* p;            ///< position rows {x, y, z, r} [m], 4 doubles each; row `dead` is far away with r = 0
   const std::int32_t* pi;     ///< [candidates] own row
@@ -21,13 +26,11 @@ struct NarrowArgs {
   std::int64_t end[3];        ///< slot ends of the sections lower, interior, higher; multiples of 8
   double half[3], period[3];  ///< periodic minimum image: half period (1e300 where not periodic) and period (0)
   int periodic;               ///< any axis periodic
-  int history;                ///< history columns
-  const double* h_old[k_max_history];
-  double* h_new[k_max_history];
+  HistoryRun* runs;           ///< [contacts + 2], or null: no history
   // results
   std::int32_t *ci, *cj;        ///< [contacts + pad]
   std::int64_t contact_end[3];  ///< contact ends of the three sections
-  int history_moved;  ///< 0: every slot touches as before, the history stays valid in h_old and h_new is unset
+  int run_count;                ///< 0: every contact has its place of the last step
 };
 
 /// Coefficients of one material pair as the laws use them; see kernels/models for which entries a law reads.
@@ -46,7 +49,8 @@ struct Block {
   double (*r)[k_block + k_pad];  ///< in: 0..2 v_i - v_j [m/s], 4..6 r_i w_i + r_j w_j [m/s], 7 1/m_i + 1/m_j [1/kg]
                                  ///< (without rotation: 3 holds 1/m_i + 1/m_j); out: 0..2 force on i [N], 3 stiffness
                                  ///< [N/m] for the stability bound, 4..6 torque / radius [N]
-  double* h[k_max_history];      ///< history columns, updated in place
+  const double* h_in[k_max_history];  ///< history columns of the last step
+  double* h[k_max_history];           ///< of the present one; may be the same columns
   const double* reff;            ///< R* [m] where the law wants it
   const std::int32_t* pair;      ///< material pair index where there are several materials
   double (*e)[k_block + k_pad];  ///< energy terms out: elastic [J], damping loss, friction loss of this step [J]

@@ -182,7 +182,7 @@ void run_law(benchmark::State& state, const KernelTable& t, const LawCase& law) 
   block.w = run.x[3];
   block.g = run.g;
   block.r = run.r;
-  for (int k = 0; k < k_max_history; ++k) block.h[k] = history[k];
+  for (int k = 0; k < k_max_history; ++k) block.h_in[k] = block.h[k] = history[k];
   block.reff = run.reff;
   block.pair = run.pair;
   block.e = run.e;

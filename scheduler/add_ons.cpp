@@ -84,14 +84,15 @@ void narrow_add_ons(World& w, Chunk& c, NarrowArgs& a, std::size_t room) {
   k.before = s.before.data();
   k.now = c.mask.data();
   k.slots = c.end[2];
-  for (int q = a.history; q < w.has.history_columns; ++q) {  // what the narrow phase has not carried
+  const int first = w.has.adhesion ? 0 : w.has.law_columns;  // the laws find the columns below by the narrow phase's runs
+  for (int q = first; q < w.has.history_columns; ++q) {
     grow(s.h[q], room);
     grow(c.h[q], k_pad);
     k.from[k.columns] = c.h[q].data();
     k.to[k.columns++] = s.h[q].data();
   }
   w.kernels->carry(k);
-  for (int q = a.history; q < w.has.history_columns; ++q) std::swap(c.h[q], s.h[q]);
+  for (int q = first; q < w.has.history_columns; ++q) std::swap(c.h[q], s.h[q]);
 }
 
 void evaluate_add_ons(const World& w, Chunk& c, std::int64_t k0, Block& b, BlockBuffers& buffers) {

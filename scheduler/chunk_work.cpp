@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "scheduler/contact_blocks.hpp"
 #include "scheduler/world.hpp"
 
 namespace talus {
@@ -101,25 +102,12 @@ inline constexpr std::size_t k_streamed_bytes = std::size_t{64} << 20;  ///< of 
 
 }  // namespace
 
-namespace {
-
-/// Geometry and motion of the chunk's contacts from k0 on, at most k_block.
-Block gather_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers& buffers) {
-  const Scratch& s = *c.scratch;
-  const std::int64_t left = c.contact_end[2] - k0;
-  Block b{};
-  b.n = static_cast<int>(std::min<std::int64_t>(k_block, left));
-  GatherArgs g{};
+ContactBlocks::ContactBlocks(const World& w, Chunk& c) : w_(w), c_(c), args_{} {
+  GatherArgs& g = args_;
   g.v = w.v.data();
   g.p = w.p.data();
   g.material = w.has.materials ? w.material.data() : nullptr;
   g.materials = static_cast<int>(w.scene.materials.size());
-  g.i = s.ci.data() + k0;
-  g.j = s.cj.data() + k0;
-  g.n = b.n;
-  g.x = buffers.x;
-  g.r = buffers.r;
-  g.g = buffers.g;
   // d < w (1 - max_overlap r_small / (r_small + r_large)) for the most unequal pair; confirmed exactly by find_deep
   const bool relaxing = w.step < w.scene.relax.steps;
   g.deep = relaxing ? 0.0 : fmax2(0.0, 1.0 - w.scene.max_overlap * w.r_min / (w.r_min + w.r_max));
@@ -129,19 +117,104 @@ Block gather_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers& b
     g.half[k] = periodic ? 0.5 * w.size[k] : 1e300;
     g.period[k] = periodic ? w.size[k] : 0.0;
   }
+  if (c.run_count > 0)
+    for (int k = 0; k < w.has.law_columns; ++k)
+      grow(c.scratch->h[k], static_cast<std::size_t>(c.contact_end[2]) + 2 * k_pad);
+}
+
+std::int64_t ContactBlocks::run_end(std::int32_t run) const {
+  return run + 1 < c_.run_count ? c_.scratch->runs[static_cast<std::size_t>(run) + 1].to : c_.contact_end[2];
+}
+
+/// Old and new columns of contacts [k0, k0 + n): a view where they lie in one run, else a copy in L1.
+void ContactBlocks::find_history(std::int64_t k0, int n, BlockBuffers& buffers, Block& b) {
+  const int columns = w_.has.law_columns;
+  Scratch& s = *c_.scratch;
+  if (columns == 0) return;
+  // contacts before the first run keep their place
+  const bool kept = c_.run_count == 0 || k0 + n <= s.runs[0].to;
+  for (int q = 0; q < columns; ++q) {
+    b.h[q] = (c_.run_count == 0 ? c_.h[q] : s.h[q]).data() + k0;
+    b.h_in[q] = c_.h[q].data() + k0;
+  }
+  if (kept) return;
+  const auto source = [&](std::int32_t run, std::int64_t k) {
+    const HistoryRun& r = s.runs[static_cast<std::size_t>(run)];
+    return r.from + (k - r.to);
+  };
+  if (k0 >= s.runs[0].to) {
+    while (run_end(run_) <= k0) ++run_;
+    if (s.runs[static_cast<std::size_t>(run_)].from >= 0 && run_end(run_) >= k0 + n) {
+      for (int q = 0; q < columns; ++q) b.h_in[q] = c_.h[q].data() + source(run_, k0);
+      return;
+    }
+  }
+  std::int64_t k = k0;
+  for (std::int32_t run = k0 < s.runs[0].to ? -1 : run_; k < k0 + n; ++run) {
+    const std::int64_t end = std::min<std::int64_t>(run < 0 ? s.runs[0].to : run_end(run), k0 + n);
+    const bool fresh = run >= 0 && s.runs[static_cast<std::size_t>(run)].from < 0;
+    for (int q = 0; q < columns; ++q) {
+      double* to = buffers.h[q] + (k - k0);
+      if (fresh) {
+        std::fill_n(to, end - k, 0.0);
+      } else {
+        // whole vectors, beyond the end too: the next run overwrites that
+        const double* from = c_.h[q].data() + (run < 0 ? k : source(run, k));
+        for (std::int64_t m = 0; m < end - k; m += 8) std::memcpy(to + m, from + m, 8 * sizeof(double));
+      }
+    }
+    k = end;
+  }
+  for (int q = 0; q < columns; ++q) {
+    std::fill_n(buffers.h[q] + n, (8 - n % 8) % 8, 0.0);  // padding lanes
+    b.h_in[q] = buffers.h[q];
+  }
+}
+
+void ContactBlocks::settle_history() {
+  if (c_.run_count == 0) return;
+  BlockBuffers buffers;
+  for (std::int64_t k0 = 0; k0 < c_.contact_end[2]; k0 += k_block) {
+    Block b{};
+    const int n = static_cast<int>(std::min<std::int64_t>(k_block, c_.contact_end[2] - k0));
+    find_history(k0, n, buffers, b);
+    for (int q = 0; q < w_.has.law_columns; ++q) std::copy_n(b.h_in[q], n, b.h[q]);
+  }
+  keep_history();
+}
+
+void ContactBlocks::keep_history() {
+  if (c_.run_count == 0) return;
+  for (int q = 0; q < w_.has.law_columns; ++q) std::swap(c_.h[q], c_.scratch->h[q]);
+  c_.run_count = 0;
+}
+
+Block ContactBlocks::gather(std::int64_t k0, BlockBuffers& buffers) {
+  const Scratch& s = *c_.scratch;
+  const std::int64_t left = c_.contact_end[2] - k0;
+  Block b{};
+  b.n = static_cast<int>(std::min<std::int64_t>(k_block, left));
+  GatherArgs& g = args_;
+  g.i = s.ci.data() + k0;
+  g.j = s.cj.data() + k0;
+  g.n = b.n;
+  g.x = buffers.x;
+  g.r = buffers.r;
+  g.g = buffers.g;
   g.next_j = g.j + k_block;
   g.next_n = static_cast<int>(std::clamp<std::int64_t>(left - k_block, 0, b.n));
-  g.reff = w.has.reff ? buffers.reff : nullptr;
-  g.pair = w.has.materials ? buffers.pair : nullptr;
-  w.kernels->gather[w.has.rotation ? 1 : 0](g);
-  if (g.deep_found != 0) find_deep(w, c, k0, b.n);
+  g.reff = w_.has.reff ? buffers.reff : nullptr;
+  g.pair = w_.has.materials ? buffers.pair : nullptr;
+  g.deep_found = 0;
+  w_.kernels->gather[w_.has.rotation ? 1 : 0](g);
+  if (g.deep_found != 0) find_deep(w_, c_, k0, b.n);
   b.x = buffers.x[0];
   b.y = buffers.x[1];
   b.z = buffers.x[2];
   b.w = buffers.x[3];
   b.g = buffers.g;
   b.r = buffers.r;
-  for (int k = 0; k < w.has.law_columns; ++k) b.h[k] = c.h[k].data() + k0;
+  find_history(k0, b.n, buffers, b);
   b.reff = buffers.reff;
   b.pair = buffers.pair;
   b.e = buffers.e;
@@ -149,12 +222,10 @@ Block gather_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers& b
   return b;
 }
 
-}  // namespace
-
-Block evaluate_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers& buffers) {
-  Block b = gather_contacts(w, c, k0, buffers);
-  w.kernels->law[w.law_variant](b, w.law_args);
-  if (w.has.moments || w.has.cohesion) evaluate_add_ons(w, c, k0, b, buffers);
+Block ContactBlocks::evaluate(std::int64_t k0, BlockBuffers& buffers) {
+  Block b = gather(k0, buffers);
+  w_.kernels->law[w_.law_variant](b, w_.law_args);
+  if (w_.has.moments || w_.has.cohesion) evaluate_add_ons(w_, c_, k0, b, buffers);
   return b;
 }
 
@@ -214,12 +285,10 @@ void narrow_chunk(World& w, Chunk& c) {
     a.period[k] = periodic ? w.size[k] : 0.0;
   }
   a.periodic = w.has.periodic ? 1 : 0;
-  a.history = w.has.adhesion ? 0 : w.has.law_columns;
-  for (int k = 0; k < a.history; ++k) {
-    grow(s.h[k], room);
-    grow(c.h[k], k_pad);
-    a.h_old[k] = c.h[k].data();
-    a.h_new[k] = s.h[k].data();
+  if (w.has.law_columns > 0 && !w.has.adhesion) {
+    for (int k = 0; k < w.has.law_columns; ++k) grow(c.h[k], k_pad);
+    grow(s.runs, room);
+    a.runs = s.runs.data();
   }
   a.ci = s.ci.data();
   a.cj = s.cj.data();
@@ -228,8 +297,7 @@ void narrow_chunk(World& w, Chunk& c) {
   else
     w.kernels->narrow(a);
   for (int k = 0; k < 3; ++k) c.contact_end[k] = a.contact_end[k];
-  if (a.history_moved != 0)
-    for (int k = 0; k < a.history; ++k) std::swap(c.h[k], s.h[k]);
+  c.run_count = a.run_count;
   pad_contacts(w, s, c.contact_end[2]);
   c.deep_slot = -1;
 }
@@ -247,12 +315,14 @@ void force_chunk(World& w, Chunk& c) {
   if (w.has.energies) std::memset(w.energy.data() + 4L * c.lo, 0, static_cast<std::size_t>(rows) * 4 * sizeof(double));
   if (w.has.moments) clear_moments(w, c);
   BlockBuffers buffers;
+  ContactBlocks blocks(w, c);
   const int rotation = w.has.rotation ? 1 : 0;
   const std::int64_t total = c.contact_end[2];
   std::int64_t both_from = c.contact_end[0], both_to = c.contact_end[1];
   double* f = s.f.data() - static_cast<std::ptrdiff_t>(w.stride) * c.lo;
   std::vector<std::int64_t> faulty = faulty_order(w, c);
   if (!faulty.empty()) {
+    blocks.settle_history();
     permute_contacts(w, c, faulty);
     if (w.options.seeded_fault == 1) {
       both_to -= both_from;
@@ -265,19 +335,20 @@ void force_chunk(World& w, Chunk& c) {
     const int to = static_cast<int>(std::clamp<std::int64_t>(both_to - k0, 0, n));
     const ScatterArgs rows{f, s.ci.data() + k0, s.cj.data() + k0, n, from, to, buffers.r};
     if (w.trial) {
-      Block b = gather_contacts(w, c, k0, buffers);
+      Block b = blocks.gather(k0, buffers);
       const double back = w.kernels->trial(b, w.law_args);
       w.kernels->scatter_limited(LimitArgs{
           rows, buffers.t, w.law_args.contact_lever != 0 ? buffers.g[3] : nullptr, {b.h[0], b.h[1], b.h[2]}, back});
       continue;
     }
-    evaluate_contacts(w, c, k0, buffers);
+    blocks.evaluate(k0, buffers);
     w.kernels->scatter[rotation](rows);
     if (w.has.moments)
       w.kernels->scatter[0](ScatterArgs{s.m.data() - 4 * static_cast<std::ptrdiff_t>(c.lo), s.ci.data() + k0,
                                         s.cj.data() + k0, n, from, to, buffers.s});
     if (w.has.energies) scatter_energy(w, s.ci.data() + k0, s.cj.data() + k0, n, from, to, buffers.e);
   }
+  blocks.keep_history();
   if (!faulty.empty()) {  // the history goes back into list order: only the order of the sums was wrong
     std::vector<std::int64_t> back(faulty.size());
     for (std::size_t k = 0; k < faulty.size(); ++k)
@@ -367,7 +438,7 @@ void wall_chunk(World& w, Chunk& c) {
     b.g = g;
     b.r = r;
     w.kernels->geometry(GeometryArgs{n, bx, by, bz, bw, r[mass_lane], g});
-    for (int q = 0; q < w.has.law_columns; ++q) b.h[q] = h[q];
+    for (int q = 0; q < w.has.law_columns; ++q) b.h_in[q] = b.h[q] = h[q];
     b.reff = reff;
     b.pair = pair;
     b.e = e;

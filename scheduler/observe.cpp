@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/error.hpp"
+#include "scheduler/contact_blocks.hpp"
 #include "scheduler/world.hpp"
 
 namespace talus {
@@ -45,8 +46,9 @@ void record_contacts(World& w, std::vector<ContactRecord>& out, std::vector<std:
     const Scratch& s = *c.scratch;
     const std::int64_t total = c.contact_end[2];
     BlockBuffers buffers;
+    ContactBlocks blocks(w, c);
     for (std::int64_t k0 = 0; k0 < total; k0 += k_block) {
-      const Block b = evaluate_contacts(w, c, k0, buffers);
+      const Block b = blocks.evaluate(k0, buffers);
       for (int k = 0; k < b.n; ++k) {
         const Row i = s.ci[static_cast<std::size_t>(k0 + k)], j = s.cj[static_cast<std::size_t>(k0 + k)];
         if (i > j) continue;  // a pair across chunks is seen by both owners
@@ -92,6 +94,7 @@ void record_contacts(World& w, std::vector<ContactRecord>& out, std::vector<std:
     }
     c.mask = mask;
     for (int k = 0; k < w.has.history_columns; ++k) c.h[k] = h[k];
+    c.run_count = 0;
     c.wall_state = wall_state;
     c.wall_moment = wall_moment;
     for (int k = 0; k < 3; ++k) c.contact_end[k] = contact_end[k];

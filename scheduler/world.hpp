@@ -91,7 +91,8 @@ struct Scratch {
   Column<std::int32_t> ci, cj;
   Column<double> f;  ///< force rows of the chunk; all zero while `clean`
   bool clean = false;
-  Column<double> h[k_max_columns];  ///< history of the present step, swapped with the chunk's
+  Column<HistoryRun> runs;          ///< where the contacts' history of the last step is; the chunk's run_count of them
+  Column<double> h[k_max_columns];  ///< history of the present step, swapped with the chunk's where contacts have moved
   Column<double> m;                 ///< moment rows {M, 0} of the chunk: rolling and twisting only
   Column<std::uint8_t> before;      ///< touch bits of the last step: where add_ons.cpp carries history
 };
@@ -108,6 +109,7 @@ struct Chunk {
   // contacts of the last step
   Column<double> h[k_max_columns];
   std::int64_t contact_end[3] = {0, 0, 0};
+  std::int32_t run_count = 0;  ///< between narrow phase and contact force: runs in scratch, 0 where none has moved
   /// Keys of the contacts that a sort epoch or a checkpoint has handed to this chunk, each section closed by a last
   /// key; empty where the present list holds them.
   Column<std::uint64_t> distributed;
@@ -320,6 +322,7 @@ struct BlockBuffers {
       reff[k_block + k_pad];
   alignas(64) double t[3][k_block + k_pad];  ///< see Block::t
   alignas(64) double s[4][k_block + k_pad];  ///< spins, then moments; rolling and twisting only
+  alignas(64) double h[k_max_history][k_block + k_pad];  ///< history of a block whose contacts have moved
   alignas(64) std::int32_t pair[k_block + k_pad];
   BlockBuffers() noexcept {
     for (int k = 0; k < k_block + k_pad; ++k) {
@@ -328,8 +331,6 @@ struct BlockBuffers {
     }
   }
 };
-/// Gathers the chunk's contacts from k0 on (at most k_block) and applies the law; forces are in the returned block's r.
-Block evaluate_contacts(const World& w, Chunk& c, std::int64_t k0, BlockBuffers& buffers);
 void force_chunk(World& w, Chunk& c);
 void wall_chunk(World& w, Chunk& c);
 void integrate_chunk(World& w, Chunk& c);

@@ -70,7 +70,7 @@ void hertz_force(Block& block, const LawArgs& args) {
     MidNormal<S> mid_normal;
     if (Friction || a.recall != 0) mid_normal.set(v, n, vn, inv, a.dt, a.synchronised);
     B vd = vn;
-    if (a.recall != 0) vd = dashpot_velocity<S>(vn, mid_normal, S::load(b.h[k_recall] + k), fn, ms, delta, a.dt);
+    if (a.recall != 0) vd = dashpot_velocity<S>(vn, mid_normal, S::load(b.h_in[k_recall] + k), fn, ms, delta, a.dt);
     fn = fn - cn * vd;
     if (a.centred != 0) fn = fn / (one + hdt * (cn * ms));
     if (a.recall != 0) S::store(b.h[k_recall] + k, vn + dt * (fn * ms));
@@ -101,8 +101,8 @@ void hertz_force(Block& block, const LawArgs& args) {
       const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
       B t[3];
       tangential_velocity<S>(v, s, mid_normal, t);
-      const B last = S::load(b.h[3] + k), st = c.kt * radius, ct = c.gt * S::sqrt(st / ms);
-      B h[3] = {S::load(b.h[0] + k), S::load(b.h[1] + k), S::load(b.h[2] + k)};
+      const B last = S::load(b.h_in[3] + k), st = c.kt * radius, ct = c.gt * S::sqrt(st / ms);
+      B h[3] = {S::load(b.h_in[0] + k), S::load(b.h_in[1] + k), S::load(b.h_in[2] + k)};
       const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
       const B before = S::select(S::gt(last, zero), ((h[0] * h[0] + h[1] * h[1]) + h[2] * h[2]) / last, zero);
       const B rescale = S::select(S::lt(radius, last), radius / last, one);

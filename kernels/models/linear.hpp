@@ -208,7 +208,7 @@ double linear_force(Block& block, const LawArgs& args) {
     B vd = vn;  // velocity that the dashpot sees
     if (a.recall != 0)
       vd =
-          dashpot_velocity<S>(vn, mid, S::load(b.h[k_recall] + k), spring_force, S::load(b.r[k_mass] + k), delta, a.dt);
+          dashpot_velocity<S>(vn, mid, S::load(b.h_in[k_recall] + k), spring_force, S::load(b.r[k_mass] + k), delta, a.dt);
     const B step = S::abs(vn) * dt;
     const auto brief = S::lt(delta, step);
     B slid = dt;      // how long the tangential spring has moved with the spheres
@@ -224,7 +224,7 @@ double linear_force(Block& block, const LawArgs& args) {
       if (a.recall != 0) {
         // The dashpot slows a parting pair, which may so touch once more, by less than a step; the step before, told by
         // its lack of a prediction, has counted that. Without this 0.6 dt/t_c of all phases have an error of order dt.
-        const auto fresh = lacks_prediction<S>(S::load(b.h[k_recall] + k));
+        const auto fresh = lacks_prediction<S>(S::load(b.h_in[k_recall] + k));
         counted = S::select(brief, S::select(leaves, S::select(fresh, zero, one), one), one);
         weight = weight * counted;
       }
@@ -252,7 +252,7 @@ double linear_force(Block& block, const LawArgs& args) {
       const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
       B t[3];
       tangential_velocity<S>(v, s, mid, t);
-      B h[3] = {S::load(b.h[0] + k), S::load(b.h[1] + k), S::load(b.h[2] + k)};
+      B h[3] = {S::load(b.h_in[0] + k), S::load(b.h_in[1] + k), S::load(b.h_in[2] + k)};
       const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
       const B rate = f.rate_t * meff;
       B g[3], trial[3];

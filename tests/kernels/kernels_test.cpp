@@ -123,7 +123,7 @@ Output run_law(const KernelTable& k, Batch& b, int n, const LawInfo& law, bool f
         h[q][s] = b.predicted[static_cast<std::size_t>(s)];
       else
         h[q][s] = q < 3 ? b.history[static_cast<std::size_t>(s)][q] : b.radius[static_cast<std::size_t>(s)];
-    block.h[q] = h[q].data();
+    block.h_in[q] = block.h[q] = h[q].data();
   }
   block.reff = reff;
   block.pair = pair;
@@ -268,27 +268,22 @@ NarrowResult run_narrow(const KernelTable& k, const Column<double>& p, const Col
     a.period[q] = periodic ? 5 : 0;
   }
   a.periodic = periodic ? 1 : 0;
-  a.history = columns;
-  Column<double> h_old[k_max_history], h_new[k_max_history];
-  for (int q = 0; q < columns; ++q) {
-    h_old[q].assign(old[q].begin(), old[q].end());
-    h_old[q].resize(n);
-    h_new[q].resize(n);
-    a.h_old[q] = h_old[q].data();
-    a.h_new[q] = h_new[q].data();
-  }
+  Column<HistoryRun> runs(n);
+  if (columns > 0) a.runs = runs.data();
   Column<std::int32_t> ci(n), cj(n);
   a.ci = ci.data();
   a.cj = cj.data();
   k.narrow(a);
   NarrowResult r;
-  const auto m = static_cast<std::size_t>(a.contact_end[2]);
+  const auto m = static_cast<std::size_t>(a.contact_end[2]), m_new = static_cast<std::size_t>(-1);
   r.ci.assign(ci.begin(), ci.begin() + static_cast<std::ptrdiff_t>(m));
   r.cj.assign(cj.begin(), cj.begin() + static_cast<std::ptrdiff_t>(m));
   r.mask = mask;
-  for (int q = 0; q < columns; ++q) {
-    const auto& kept = a.history_moved != 0 ? h_new[q] : h_old[q];
-    r.h[q].assign(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(m));
+  for (std::size_t n = 0, run = 0; n < m; ++n) {
+    while (run < static_cast<std::size_t>(a.run_count) && runs[run].to <= static_cast<std::int32_t>(n)) ++run;
+    std::size_t from = n;
+    if (run > 0) from = runs[run - 1].from < 0 ? m_new : n - static_cast<std::size_t>(runs[run - 1].to - runs[run - 1].from);
+    for (int q = 0; q < columns; ++q) r.h[q].push_back(from == m_new ? 0.0 : old[q].at(from));
   }
   for (int q = 0; q < 3; ++q) r.end[q] = a.contact_end[q];
   return r;

@@ -61,7 +61,7 @@ class KernelContact {
     table_.geometry(GeometryArgs{1, x_[0], x_[1], x_[2], w_, r_[7], g_});
     b.g = g_;
     b.r = r_;
-    for (int q = 0; q < k_max_history; ++q) b.h[q] = h_[q];
+    for (int q = 0; q < k_max_history; ++q) b.h_in[q] = b.h[q] = h_[q];
     b.reff = reff_;
     b.pair = pair_;
     b.e = e_;
