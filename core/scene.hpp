@@ -39,6 +39,7 @@ enum class ListPolicy : std::uint8_t {
   global_velocity,
   neighbourhood,
   mean_subtracted,
+  velocity_profile,
   displacement_history,
   fixed
 };
@@ -116,8 +117,8 @@ struct Region {
 struct Source {
   enum class Kind : std::uint8_t { file, lattice, random, stream } kind = Kind::random;
   std::string name;
-  std::string file;                   ///< CSV (optionally .gz) or LAMMPS data file
-  std::array<int, 3> tile{1, 1, 1};   ///< the file fills the first of so many equal parts of the domain and is repeated
+  std::string file;                  ///< CSV (optionally .gz) or LAMMPS data file
+  std::array<int, 3> tile{1, 1, 1};  ///< the file fills the first of so many equal parts of the domain and is repeated
   Region region;
   SizeDistribution size;
   int material = 0;

@@ -28,6 +28,9 @@ inline constexpr PolicyText k_policies[] = {
     {"global_velocity", "exact: skin K max|v| dt for all, each displacement is checked at every step"},
     {"neighbourhood", "exact: as local with the largest speed among 64 neighbouring rows"},
     {"mean_subtracted", "exact: as local, speeds and displacements relative to the mean velocity"},
+    {"velocity_profile",
+     "exact: as local, speeds and displacements relative to a velocity profile across one axis, pairs listed in a "
+     "longer reach"},
     {"displacement_history",
      "exact: skin from what each particle travelled under the last lists, checked at every step"},
     {"fixed", "NOT exact: rebuilt every list.interval steps, nothing is checked in between"},
@@ -39,26 +42,28 @@ inline const PolicyText& policy_text(ListPolicy p) noexcept { return k_policies[
 /// (scheduler/cell_grid.cpp), so that the others' search stays as it is.
 inline constexpr double k_automatic_cap = 1.5;
 
+/// velocity_profile: reaches are at most this much longer than those of local, which bounds slope times life of a
+/// list; see scheduler/velocity_profile.hpp.
+inline constexpr double k_most_stretch = 1.25;
+
 /// Parameters of the skin rule, fixed for one rebuild.
 struct SkinRule {
   ListPolicy policy = ListPolicy::local;
   double k_dt = 0;  ///< K * dt [s]
   bool floor_on = true, acceleration_on = true, cap_on = true;
-  double floor = 0;         ///< of the particle's diameter
-  double cell_edge = 0;     ///< nominal cell edge L_C [m] of the cap
-  double cap = 0.5;         ///< largest skin of local, neighbourhood and mean_subtracted, of the radius
-  double largest = 0;       ///< hard limit of R_NL [m]: L/4 on the shortest periodic axis
-  double uniform = 0;       ///< skin of the policies with one skin [m]
-  double reach = 0;         ///< R_C = r + reach r^(1/3): range of adhesion (core/adhesion.hpp)
-  double frame_travel = 0;  ///< mean_subtracted: how far the moving frame may run past the walls [m]
+  double floor = 0;      ///< of the particle's diameter
+  double cell_edge = 0;  ///< nominal cell edge L_C [m] of the cap
+  double cap = 0.5;      ///< largest skin of the policies with has_terms(), of the radius
+  double largest = 0;    ///< hard limit of R_NL [m]: L/4 on the shortest periodic axis
+  double uniform = 0;    ///< skin of the policies with one skin [m]
+  double reach = 0;      ///< R_C = r + reach r^(1/3): range of adhesion (core/adhesion.hpp)
 
   SkinRule() = default;
   /// `r_min`, `r_max`: radii of the scene [m].
   SkinRule(const Scene& s, double r_min, double r_max) {
     policy = s.list.policy;
     k_dt = s.list.verlet_k * s.dt;
-    const bool terms =
-        policy == ListPolicy::local || policy == ListPolicy::neighbourhood || policy == ListPolicy::mean_subtracted;
+    const bool terms = has_terms();
     floor_on = (terms || policy == ListPolicy::displacement_history) && s.list.floor_on;
     acceleration_on = terms && s.list.acceleration_on;
     cap_on = s.list.cap_on;
@@ -70,10 +75,10 @@ struct SkinRule {
     }
     uniform = s.list.uniform_skin * r_min;
     reach = adhesion_reach(s);
-    if (policy == ListPolicy::mean_subtracted) frame_travel = 0.5 * r_min;
     largest = 1e300;
     for (int k = 0; k < 3; ++k)
       if (s.domain.periodic(k)) largest = fmin2(largest, 0.25 * (s.domain.upper[k] - s.domain.lower[k]));
+    if (policy == ListPolicy::velocity_profile) largest /= k_most_stretch;
     // their bound is one for all particles, so their skin must be
     if (policy == ListPolicy::two_largest || policy == ListPolicy::accumulated) {
       uniform = fmin2(uniform, largest - r_max - range(r_max));
@@ -84,14 +89,20 @@ struct SkinRule {
   /// R_C - r [m]: how far beyond its surface a particle can be in contact with another one; with a wall, twice that.
   double range(double r) const { return reach > 0 ? reach * det::cbrt(r) : 0; }
 
+  /// The skin has a floor, a term of the acceleration and a cap in radii.
+  bool has_terms() const noexcept {
+    return policy == ListPolicy::local || policy == ListPolicy::neighbourhood || drifts();
+  }
   bool has_k() const noexcept {
-    return policy == ListPolicy::paper || policy == ListPolicy::local || policy == ListPolicy::global_velocity ||
-           policy == ListPolicy::neighbourhood || policy == ListPolicy::mean_subtracted;
+    return policy == ListPolicy::paper || policy == ListPolicy::global_velocity || has_terms();
+  }
+  /// Displacements count from where a drift velocity would have taken the particle.
+  bool drifts() const noexcept {
+    return policy == ListPolicy::mean_subtracted || policy == ListPolicy::velocity_profile;
   }
   /// The list is judged by scheduler/skin_check.cpp instead of the check in the integration kernel.
   bool own_check() const noexcept {
-    return policy == ListPolicy::two_largest || policy == ListPolicy::accumulated ||
-           policy == ListPolicy::mean_subtracted || policy == ListPolicy::fixed;
+    return policy == ListPolicy::two_largest || policy == ListPolicy::accumulated || policy == ListPolicy::fixed;
   }
 
   /// The most that operator() gives to a radius of r [m].
@@ -108,9 +119,9 @@ struct SkinRule {
   /// Skin [m] of a particle of radius r [m], speed v [m/s] (whose speed: skin_check.hpp), acceleration a [m/s2]. For
   /// displacement_history v is a length [m], see SkinSpeeds.
   /// paper, global_velocity: K v dt, capped at L_C/2 - R_C (the paper's printed cap L_C loses pairs); local,
-  /// neighbourhood, mean_subtracted: with floor and 1/2 |a| (K dt)^2, also capped at r/2; displacement_history: floor
-  /// and the same caps; the others: one skin.
-  /// With automatic K the cap is k_automatic_cap r alone: see there.
+  /// neighbourhood, mean_subtracted, velocity_profile: with floor and 1/2 |a| (K dt)^2, also capped at r/2;
+  /// displacement_history: floor and the same caps; the others: one skin. With automatic K the cap is k_automatic_cap r
+  /// alone: see there.
   double operator()(double r, double v, double a) const {
     double s = 0;
     const double rc = r + range(r);
@@ -128,6 +139,7 @@ struct SkinRule {
       case ListPolicy::global_velocity:
       case ListPolicy::neighbourhood:
       case ListPolicy::mean_subtracted:
+      case ListPolicy::velocity_profile:
       case ListPolicy::displacement_history:
         s = policy == ListPolicy::displacement_history ? v : k_dt * v;
         if (acceleration_on) s += 0.5 * a * k_dt * k_dt;
@@ -142,9 +154,9 @@ struct SkinRule {
     return s > 0 ? s : 0;
   }
 
-  /// How far a particle of this skin may move before the list expires, seen from a wall at rest [m]: two_largest lets
-  /// one particle use up both skins, mean_subtracted adds the travel of the frame.
-  double to_walls(double skin) const { return policy == ListPolicy::two_largest ? 2 * skin : skin + frame_travel; }
+  /// How far a particle of this skin may move before the list expires, beside its drift, seen from a wall at rest [m]:
+  /// two_largest lets one particle use up both skins.
+  double to_walls(double skin) const { return policy == ListPolicy::two_largest ? 2 * skin : skin; }
 };
 
 }  // namespace talus

@@ -2,6 +2,8 @@
 //   v(n+1/2) = v(n-1/2) + (F/m + g) dt,  r w(n+1/2) = r w(n-1/2) + 5/2 (T/r)/m dt,  x(n+1) = x(n) + v(n+1/2) dt
 // Rows with 1/m = 0 (fixed, driven, removed) keep their velocity. A particle has left its list's guarantee when
 // |x - x0|^2 > skin^2 (paper eq. 5 with the capped, stored skin; NaN counts as left).
+// Policies with a drift velocity u: |x - x0 - u t|^2 instead, its minimum image by rounding, since u t may run over
+// several periods.
 // Periodic axes wrap by compare (x < 0 => x + L), a rule of the trajectory alone.
 #pragma once
 
@@ -31,7 +33,7 @@ inline void damped_row(const IntegrateArgs& a, const double* v, const double* f,
 
 inline constexpr long k_rows_ahead = 24;
 
-template <class S, bool Rotation, bool Damped, bool Stream>
+template <class S, bool Rotation, bool Damped, bool Stream, bool Drift>
 void integrate_rows(IntegrateArgs& args) {
   const IntegrateArgs a = args;  // a local copy: stores through p2 and v2 cannot alias it
   constexpr long rows = Rotation ? 8 : 4;
@@ -42,6 +44,10 @@ void integrate_rows(IntegrateArgs& args) {
   alignas(32) const double down[4] = {-a.half[0], -a.half[1], -a.half[2], -a.half[3]};
   const auto dt = S::load4(step), upper = S::load4(a.upper), wrap = S::load4(a.wrap), half = S::load4(a.half);
   const auto minus_half = S::load4(down), zero = S::load4(nothing);
+  alignas(32) double to_periods[4] = {};
+  for (int c = 0; c < 3; ++c) to_periods[c] = a.wrap[c] != 0 ? 1 / a.wrap[c] : 0;
+  const auto periods = S::load4(to_periods), time = S::set4(a.drift_time);
+  const auto rounding = S::set4(0x1.8p52);  // adding and taking it away rounds to the nearest integer
   const auto no_force = S::set8(0.0);
   unsigned periodic = 0;
   for (int c = 0; c < 3; ++c) periodic |= (a.wrap[c] != 0 ? 1U : 0U) << c;
@@ -54,6 +60,7 @@ void integrate_rows(IntegrateArgs& args) {
     __builtin_prefetch(a.v + rows * (i + k_rows_ahead));
     __builtin_prefetch(a.p + 4 * (i + k_rows_ahead));
     __builtin_prefetch(a.x0 + 4 * (i + k_rows_ahead));
+    if constexpr (Drift) __builtin_prefetch(a.drift + a.drift_stride * (i + k_rows_ahead));
     if constexpr (!Stream) {
       __builtin_prefetch(a.v2 + rows * (i + k_rows_ahead), 1);
       __builtin_prefetch(a.p2 + 4 * (i + k_rows_ahead), 1);
@@ -92,6 +99,11 @@ void integrate_rows(IntegrateArgs& args) {
     auto x = S::add4(S::load4(a.p + 4 * i), S::mul4(vel, dt));
     const double* ref = a.x0 + 4 * i;
     auto d = S::sub4(x, S::load4(ref));
+    typename S::R4 drift = d;
+    if constexpr (Drift) {
+      drift = S::mul4(S::widen4(a.drift + a.drift_stride * i), time);
+      d = S::sub4(d, drift);
+    }
     if (__builtin_expect(S::outside4(x, zero, upper, d, half), 0)) {
       const unsigned below = S::lt4(x, zero) & 7U, above = ~S::lt4(x, upper) & 7U;
       if (((below | above) & periodic) != 0) {
@@ -100,9 +112,14 @@ void integrate_rows(IntegrateArgs& args) {
         d = S::sub4(x, S::load4(ref));
       }
       if (((below | above) & ~periodic) != 0 && a.p[4 * i] < 1e100) a.out[out_count++] = static_cast<std::int32_t>(i);
-      const unsigned far_up = ~S::lt4(d, half) & periodic, far_down = S::lt4(d, minus_half) & periodic;
-      d = S::sub4(d, S::and4(wrap, far_up));
-      d = S::add4(d, S::and4(wrap, far_down));
+      if constexpr (Drift) {
+        d = S::sub4(S::sub4(x, S::load4(ref)), drift);
+        d = S::sub4(d, S::mul4(S::sub4(S::add4(S::mul4(d, periods), rounding), rounding), wrap));
+      } else {
+        const unsigned far_up = ~S::lt4(d, half) & periodic, far_down = S::lt4(d, minus_half) & periodic;
+        d = S::sub4(d, S::and4(wrap, far_up));
+        d = S::add4(d, S::and4(wrap, far_down));
+      }
     }
     if constexpr (Stream)
       S::stream4(a.p2 + 4 * i, x);
@@ -115,12 +132,17 @@ void integrate_rows(IntegrateArgs& args) {
   args.unstable_row = unstable_row;
 }
 
+template <class S, bool Rotation, bool Drift>
+void integrate_checked(IntegrateArgs& a) {
+  if (a.viscous != 0 || a.local != 0) return integrate_rows<S, Rotation, true, false, Drift>(a);
+  if (a.stream == 0) return integrate_rows<S, Rotation, false, false, Drift>(a);
+  integrate_rows<S, Rotation, false, true, Drift>(a);
+  __builtin_ia32_sfence();  // other threads read these rows in the next step
+}
+
 template <class S, bool Rotation>
 void integrate(IntegrateArgs& a) {
-  if (a.viscous != 0 || a.local != 0) return integrate_rows<S, Rotation, true, false>(a);
-  if (a.stream == 0) return integrate_rows<S, Rotation, false, false>(a);
-  integrate_rows<S, Rotation, false, true>(a);
-  __builtin_ia32_sfence();  // other threads read these rows in the next step
+  a.drift == nullptr ? integrate_checked<S, Rotation, false>(a) : integrate_checked<S, Rotation, true>(a);
 }
 
 }  // namespace talus::kernels

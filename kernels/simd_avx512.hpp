@@ -115,6 +115,7 @@ struct Avx512 {
   TALUS_INLINE static R4 sub4(R4 a, R4 b) { return _mm256_sub_pd(a, b); }
   TALUS_INLINE static R4 mul4(R4 a, R4 b) { return _mm256_mul_pd(a, b); }
   TALUS_INLINE static R4 load4(const double* p) { return _mm256_load_pd(p); }
+  TALUS_INLINE static R4 widen4(const float* p) { return _mm256_cvtps_pd(_mm_load_ps(p)); }
   TALUS_INLINE static void store4(double* p, R4 a) { _mm256_store_pd(p, a); }
   TALUS_INLINE static void stream4(double* p, R4 a) { _mm256_stream_pd(p, a); }
   TALUS_INLINE static R4 set4(double a) { return _mm256_set1_pd(a); }

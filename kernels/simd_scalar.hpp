@@ -95,6 +95,11 @@ struct Scalar {
     for (int k = 0; k < 4; ++k) c.v[k] = p[k];
     return c;
   }
+  TALUS_INLINE static R4 widen4(const float* p) {
+    R4 c;
+    for (int k = 0; k < 4; ++k) c.v[k] = p[k];
+    return c;
+  }
   TALUS_INLINE static void store4(double* p, const R4& a) {
     for (int k = 0; k < 4; ++k) p[k] = a.v[k];
   }

@@ -96,6 +96,10 @@ struct Sse2 {
     return {{_mm_mul_pd(a.v[0], b.v[0]), _mm_mul_pd(a.v[1], b.v[1])}};
   }
   TALUS_INLINE static R4 load4(const double* p) { return {{_mm_load_pd(p), _mm_load_pd(p + 2)}}; }
+  TALUS_INLINE static R4 widen4(const float* p) {
+    const __m128 a = _mm_load_ps(p);
+    return {{_mm_cvtps_pd(a), _mm_cvtps_pd(_mm_movehl_ps(a, a))}};
+  }
   TALUS_INLINE static void store4(double* p, const R4& a) {
     _mm_store_pd(p, a.v[0]);
     _mm_store_pd(p + 2, a.v[1]);

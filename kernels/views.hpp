@@ -12,7 +12,8 @@ inline constexpr int k_max_history = 5;  ///< history columns of the widest law
 inline constexpr int k_max_moment = 5;   ///< history columns of rolling and twisting, behind those of the law
 inline constexpr int k_max_columns = k_max_history + k_max_moment;
 
-/// Contacts from `to` on, up to the next run, have their history of the last step at `from` and after; -1: they are new.
+/// Contacts from `to` on, up to the next run, have their history of the last step at `from` and after; -1: they are
+/// new.
 struct HistoryRun {
   std::int32_t to, from;
 };
@@ -51,9 +52,9 @@ struct Block {
                                  ///< [N/m] for the stability bound, 4..6 torque / radius [N]
   const double* h_in[k_max_history];  ///< history columns of the last step
   double* h[k_max_history];           ///< of the present one; may be the same columns
-  const double* reff;            ///< R* [m] where the law wants it
-  const std::int32_t* pair;      ///< material pair index where there are several materials
-  double (*e)[k_block + k_pad];  ///< energy terms out: elastic [J], damping loss, friction loss of this step [J]
+  const double* reff;                 ///< R* [m] where the law wants it
+  const std::int32_t* pair;           ///< material pair index where there are several materials
+  double (*e)[k_block + k_pad];       ///< energy terms out: elastic [J], damping loss, friction loss of this step [J]
   /// Out of a trial (KernelTable::trial): 0 Coulomb limit [N], 1 trial force times tangential velocity [W], 2 damping
   /// rate [kg/s]; r holds 0..2 trial tangential force [N], 3 stiffness, 4..6 normal, 7 normal force [N].
   double (*t)[k_block + k_pad];
@@ -184,6 +185,9 @@ struct IntegrateArgs {
   double* f;            ///< force rows, indexed by absolute row; left zero for the next user of the scratch
   double *p2, *v2;      ///< new rows
   const double* x0;     ///< list reference rows {x, y, z, skin^2}
+  const float* drift;   ///< rows {u, 0}: displacements count from x0 + u drift_time; or null
+  long drift_stride;    ///< 4, or 0: one row for all
+  double drift_time;    ///< since the lists were made, at the end of the step [s]
   double dt, kick;      ///< kick = dt, or dt/2 in the first step of velocity Verlet
   double gravity[3];
   alignas(32) double upper[4], wrap[4];  ///< domain size per axis (lane 3: 1e300) and period (0 where not periodic)

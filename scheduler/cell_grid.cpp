@@ -53,6 +53,7 @@ void set_skins(World& w, const Chunk& c, const LevelLimits& limits, double slack
   // tests only: the check believes in more than the list was built for
   const double stored_scale = w.options.seeded_fault == 3 ? 3 : 1;
   const SkinRule rule = w.skin;
+  const double stretch = (w.options.seeded_fault == 3 ? 1 : w.frame.stretch) * 1.000002;
   SkinSpeeds speed(w, c);
   const long stride = w.stride;
   for (Row i = c.lo; i < c.hi; ++i) {
@@ -79,7 +80,7 @@ void set_skins(World& w, const Chunk& c, const LevelLimits& limits, double slack
     ref[2] = x[2];
     ref[3] = stored * stored;
     // the check compares squares: the reach covers the rounding of the square root, and `slack` that of coordinates
-    const auto reach = static_cast<float>((x[3] + w.skin.range(x[3]) + skin) * 1.000002 + slack);
+    const auto reach = static_cast<float>((x[3] + w.skin.range(x[3]) + skin) * stretch + slack);
     w.reach[static_cast<std::size_t>(i)] = reach;
     const int l = limits(reach);
     out.top[l] = fmax2(out.top[l], reach);
@@ -154,8 +155,9 @@ void fill_cells(World& w) {
   // 1. skins and reference positions; a non-finite coordinate ends the run here at the latest (I9)
   double extent = 0;
   for (int k = 0; k < 3; ++k) extent = fmax2(extent, w.size[k]);
-  const double slack = 8 * 5.97e-8 * extent;  // float32 rounding of a coordinate and of a period
-  const double far = w.skin.cap > 0.5 ? 1.5 * w.r_max + w.skin.range(w.r_max) + slack : 0;
+  // float32 rounding of a coordinate, of a period and of a drift
+  const double slack = 8 * 5.97e-8 * extent + w.frame.rounding;
+  const double far = w.skin.cap > 0.5 ? (1.5 * w.r_max + w.skin.range(w.r_max)) * w.frame.stretch + slack : 0;
   const LevelLimits limits(w.r_min, w.r_max, far);
   const int chunks = static_cast<int>(w.chunks.size());
   std::vector<ChunkReach> found(w.chunks.size());

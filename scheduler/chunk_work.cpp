@@ -494,6 +494,11 @@ void integrate_chunk(World& w, Chunk& c) {
   a.p2 = w.p2.data();
   a.v2 = w.v2.data();
   a.x0 = w.x0.data();
+  if (w.skin.drifts()) {
+    a.drift = w.drift.empty() ? w.frame.drift : w.drift.data();
+    a.drift_stride = w.drift.empty() ? 0 : 4;
+    a.drift_time = static_cast<double>(w.step + 1 - w.frame.built) * w.scene.dt;
+  }
   a.dt = w.scene.dt;
   // velocity Verlet starts with a half kick (initial velocities hold at step 0), leapfrog takes them as v(-1/2)
   a.kick = w.step == 0 && w.scene.integrator == Integrator::velocity_verlet ? 0.5 * w.scene.dt : w.scene.dt;

@@ -305,9 +305,9 @@ std::int64_t audit_lists(const World& w) {
 std::size_t bytes_of(const World& w) {
   const auto size = [](const auto& c) { return c.capacity() * sizeof(c[0]); };
   std::size_t b = size(w.p) + size(w.p2) + size(w.v) + size(w.v2) + size(w.x0) + size(w.id) + size(w.material) +
-                  size(w.fixed) + size(w.group) + size(w.energy) + size(w.next_skin) + size(w.cell_of_row) + size(w.place_in_cell) +
-                  size(w.sx) + size(w.sy) + size(w.sz) + size(w.sr) + size(w.reach) + size(w.sorted_row) +
-                  size(w.cell_start) + w.list_scratch.bytes() + w.scratch.bytes();
+                  size(w.fixed) + size(w.group) + size(w.energy) + size(w.next_skin) + size(w.cell_of_row) +
+                  size(w.place_in_cell) + size(w.sx) + size(w.sy) + size(w.sz) + size(w.sr) + size(w.reach) +
+                  size(w.sorted_row) + size(w.cell_start) + w.list_scratch.bytes() + w.scratch.bytes();
   if (w.has.walls) b += w.walls.bytes();
   for (const auto& c : w.chunks) {
     b += size(c->pi) + size(c->pj) + size(c->mask) + size(c->wall_row) + size(c->wall_begin) + size(c->wall_element) +
@@ -353,6 +353,8 @@ Plan plan_of(const World& w) {
   array("material", h.materials, 1, h.materials ? "several materials" : "one material");
   array("fixed", h.fixed, 1, h.fixed ? "some particles are or become fixed" : "nothing is fixed");
   array("group", h.groups, 2, h.groups ? "scene.groups" : "no groups");
+  const bool profile = w.skin.policy == ListPolicy::velocity_profile;
+  array("drift", profile, 16, profile ? "list.policy velocity_profile" : "displacements count from x0 itself");
   const bool history_skins = w.skin.policy == ListPolicy::displacement_history;
   array("next skin", history_skins, 8, history_skins ? "list.policy displacement_history" : "the skins need no past");
   array("energy", h.energies, 32, h.energies ? "output.energies" : "output.energies is off");

@@ -135,7 +135,8 @@ void wall_candidates(World& w, Chunk& c) {
   for (Row i = c.lo; i < c.hi; ++i) {
     if (!w.is_alive(i) || (w.has.fixed && w.fixed[i] != 0)) continue;
     const std::size_t before = c.wall_element.size();
-    const double skin = w.skin.to_walls(__builtin_sqrt(w.x0[4L * i + 3]) / (w.options.seeded_fault == 3 ? 3 : 1));
+    const double skin =
+        w.skin.to_walls(__builtin_sqrt(w.x0[4L * i + 3]) / (w.options.seeded_fault == 3 ? 3 : 1)) + drift_reach(w, i);
     // Walls have no images: where the row wraps before the next rebuild it meets the elements at the other end.
     const Vec3 at{w.p[4L * i], w.p[4L * i + 1], w.p[4L * i + 2]};
     const double reach = w.p[4L * i + 3] + 2 * w.skin.range(w.p[4L * i + 3]) + skin;

@@ -6,12 +6,17 @@
 // - accumulated: |d_i| <= sum over steps of |x_i(k+1) - x_i(k)| <= sum of the largest of each step <= s. Travels are
 //   taken from the stored positions, so that rounding, relaxation and wrapping are in them.
 // - mean_subtracted: with any vector D that is the same for all particles, |d_i - d_j| <= |d_i - D| + |d_j - D|, hence
-//   |d_i - D| <= s_i each suffices; D = u (n - m) dt with u the mean velocity at m, but nothing depends on what u is.
-//   Pairs see differences only: a uniform drift costs nothing, fixed particles are particles with speed |u| in this
-//   frame. Walls do not share the frame: |d_i| <= s_i + |D|, so they are listed within R_i + s_i + D_max and the list
-//   expires when |D| > D_max (SkinRule::frame_travel); without walls D is unbounded.
-//   Wrapping: x, x0 and D are known modulo the period L; d_i - D was at most s_i <= L/4 one step ago and grows by less
-//   than L/4 per step (a step of more than a radius stops the run), so its minimum image is itself.
+//   |d_i - D| <= s_i each suffices; D = u t with u the mean velocity at m and t = (n - m) dt, but nothing depends on
+//   what u is. Pairs see differences only: a uniform drift costs nothing, fixed particles are particles with speed |u|
+//   in this frame. Walls do not share the frame: |d_i| <= s_i + |D|, so they are listed within R_i + s_i + |u| T and
+//   the list expires when t > T (ListFrame::life); without walls T is unbounded.
+// - velocity_profile: the same with a drift u(z) that varies along one open axis, D_i = u(z_i(m)) t. With g the largest
+//   slope of u, |D_i - D_j| <= g t |z_i - z_j|(m) <= g T |x_i - x_j|(m), so a pair that touches now was apart by at
+//   most R_i + R_j + s_i + s_j + g T |x_i - x_j|(m): pairs within (R_i + s_i + R_j + s_j) / (1 - g T) suffice, which is
+//   ListFrame::stretch times the reaches of local. T = K dt, and u is bounded so that the stretch is at most
+//   k_most_stretch. A dense shear flow then lasts as long as its fluctuations allow, not its mean flow.
+//   Wrapping: x, x0 and D are known modulo the period L; d_i - D_i was at most s_i <= L/4 one step ago and grows by
+//   less than L/4 per step (a step of more than a radius stops the run), so its minimum image is itself.
 // - displacement_history (the idea of Yade's collider): a skin is max(0.9 old skin, travel K / elapsed), so it follows
 //   what a particle does, not its speed of the moment: one that shakes keeps a skin of its amplitude, and one that
 //   rests loses its own within some rebuilds. As for local nothing depends on where skins come from: |d_i| <= s_i is
@@ -23,18 +28,26 @@
 #include <vector>
 
 #include "scheduler/parallel.hpp"
+#include "scheduler/velocity_profile.hpp"
 #include "scheduler/world.hpp"
 
 namespace talus {
 
 namespace {
 
-constexpr double k_shrink = 0.9;  // of a skin that was not used up, per rebuild (Yade's number)
-constexpr Row k_neighbours = 64;  // rows lie in Morton order: 64 of them fill a compact part of space
+constexpr double k_shrink = 0.9;       // of a skin that was not used up, per rebuild (Yade's number)
+constexpr double k_wall_travel = 0.5;  // mean_subtracted: most travel of the frame past walls, in least radii
+constexpr Row k_neighbours = 64;       // rows lie in Morton order: 64 of them fill a compact part of space
 
-double to_image(double d, double half, double period) {
-  d = d >= half ? d - period : d;
-  return d < -half ? d + period : d;
+/// Squared length [m2] of the minimum image of d.
+double image2(const World& w, const Vec3& d) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double period = w.size[k];
+    const double c = w.scene.domain.periodic(k) ? d[k] - period * __builtin_floor(d[k] / period + 0.5) : d[k];
+    sum += c * c;
+  }
+  return sum;
 }
 
 }  // namespace
@@ -44,7 +57,8 @@ double SkinSpeeds::operator()(Row i, const double* v, double speed2) {
     case ListPolicy::global_velocity:
       return w_.frame.common_speed;
     case ListPolicy::mean_subtracted:
-      return norm(Vec3{v[0], v[1], v[2]} - w_.frame.velocity);
+    case ListPolicy::velocity_profile:
+      return norm(Vec3{v[0], v[1], v[2]} - w_.drift_of(i));
     case ListPolicy::neighbourhood: {
       if (i < block_end_) return block_;
       block_end_ = std::min<Row>(c_.hi, (i / k_neighbours + 1) * k_neighbours);
@@ -77,11 +91,25 @@ void note_displacements(World& w) {
       const double *x = w.p.data() + 4L * i, *ref = w.x0.data() + 4L * i;
       next = -1;  // no past
       if (i >= w.frame.rows || !(x[0] < 1e100) || !(ref[3] < 1e100)) continue;
-      const double travel = __builtin_sqrt(travel2(w, x, ref, {}));
+      const double travel = __builtin_sqrt(distance2(w, x, ref));
       next = fmax2(k_shrink * (__builtin_sqrt(ref[3]) / stored_scale), travel * steps_ahead);
     }
   });
 }
+
+namespace {
+
+void prepare_profile(World& w) {
+  w.frame.life = w.skin.k_dt;
+  const double fastest = fit_velocity_profile(w, w.frame.life);
+  w.frame.rounding = 6e-8 * fastest * w.frame.life;
+  // next to walls: no image farther than the nearest
+  if (!w.has.walls || !(fastest > 0)) return;
+  for (int k = 0; k < 3; ++k)
+    if (w.scene.domain.periodic(k)) w.frame.life = fmin2(w.frame.life, 0.25 * w.size[k] / fastest);
+}
+
+}  // namespace
 
 void prepare_skins(World& w) {
   note_displacements(w);
@@ -89,6 +117,7 @@ void prepare_skins(World& w) {
   w.frame.built = w.step;
   w.frame.rows = w.n;
   const bool mean = w.skin.policy == ListPolicy::mean_subtracted;
+  if (w.skin.policy == ListPolicy::velocity_profile) return prepare_profile(w);
   if (!mean && w.skin.policy != ListPolicy::global_velocity) return;
   struct alignas(64) Part {
     Vec3 sum;
@@ -111,28 +140,28 @@ void prepare_skins(World& w) {
     all.sum = all.sum + p.sum;
     all.fastest = fmax2(all.fastest, p.fastest);
   }
-  if (mean && w.alive > 0) w.frame.velocity = (1.0 / static_cast<double>(w.alive)) * all.sum;
   w.frame.common_speed = __builtin_sqrt(all.fastest);
+  if (!mean) return;
+  const Vec3 u = (1.0 / fmax2(1, static_cast<double>(w.alive))) * all.sum;
+  for (int k = 0; k < 3; ++k) w.frame.drift[k] = static_cast<float>(u[k]);
+  if (w.has.walls && norm(u) > 0) w.frame.life = k_wall_travel * w.r_min / norm(u);
 }
 
-Vec3 frame_travel(const World& w, std::int64_t steps) {
-  Vec3 d = (static_cast<double>(steps) * w.scene.dt) * w.frame.velocity;
-  for (int k = 0; k < 3; ++k)
-    if (w.scene.domain.periodic(k)) d[k] = d[k] - w.size[k] * __builtin_floor(d[k] / w.size[k] + 0.5);
-  return d;
+double distance2(const World& w, const double* x, const double* y) {
+  return image2(w, {x[0] - y[0], x[1] - y[1], x[2] - y[2]});
 }
 
-double travel2(const World& w, const double* x, const double* ref, const Vec3& frame) {
-  double sum = 0;
-  for (int k = 0; k < 3; ++k) {
-    double d = (x[k] - ref[k]) - frame[k];
-    if (w.scene.domain.periodic(k)) {
-      const double period = w.size[k], half = 0.5 * period;
-      d = to_image(to_image(d, half, period), half, period);  // |d| < 1.5 L
-    }
-    sum += d * d;
-  }
-  return sum;
+double used2(const World& w, Row i) {
+  const double *x = w.p.data() + 4L * i, *ref = w.x0.data() + 4L * i;
+  if (!w.skin.drifts()) return distance2(w, x, ref);
+  const double t = static_cast<double>(w.step - w.frame.built) * w.scene.dt;
+  return image2(w, Vec3{x[0] - ref[0], x[1] - ref[1], x[2] - ref[2]} - t * w.drift_of(i));
+}
+
+double drift_reach(const World& w, Row i) {
+  if (!w.skin.drifts()) return 0;
+  const double speed = norm(w.drift_of(i));
+  return speed > 0 ? speed * w.frame.life : 0;
 }
 
 void travel_chunk(World& w, Chunk& c) {
@@ -140,22 +169,16 @@ void travel_chunk(World& w, Chunk& c) {
   c.travel[0] = c.travel[1] = 0;
   c.expired = 0;
   if (policy == ListPolicy::fixed) return;
-  const bool mean = policy == ListPolicy::mean_subtracted;
   const double* ref = policy == ListPolicy::accumulated ? w.p.data() : w.x0.data();
-  const Vec3 frame = mean ? frame_travel(w, w.step + 1 - w.frame.built) : Vec3{};
   double first = 0, second = 0;
   bool left = false;
   for (Row i = c.lo; i < c.hi; ++i) {
     const double* x = w.p2.data() + 4L * i;
     if (x[0] >= 1e100) continue;  // removed
-    const double d2 = travel2(w, x, ref + 4L * i, frame);
-    if (mean) {
-      left = left || !(d2 <= w.x0[4L * i + 3]);
-    } else {
-      left = left || !(d2 < 1e200);  // not a number: as the kernel's check has it
-      second = fmax2(second, fmin2(first, d2));
-      first = fmax2(first, d2);
-    }
+    const double d2 = distance2(w, x, ref + 4L * i);
+    left = left || !(d2 < 1e200);  // not a number: as the kernel's check has it
+    second = fmax2(second, fmin2(first, d2));
+    first = fmax2(first, d2);
   }
   c.travel[0] = __builtin_sqrt(first);
   c.travel[1] = __builtin_sqrt(second);
@@ -173,24 +196,20 @@ bool lists_expired(const World& w) {
   if (w.skin.policy == ListPolicy::always) return true;
   if (w.skin.policy == ListPolicy::fixed) return w.step % w.scene.list.interval == 0;
   if (w.has.moving_walls && w.walls.expired()) return true;
+  const double fault = w.options.seeded_fault == 3 ? 3 : 1;  // tests only: believes in more than was listed
+  if (static_cast<double>(w.step - w.frame.built) * w.scene.dt > fault * w.frame.life) return true;
   double first = 0, second = 0;
   for (const auto& c : w.chunks) {
     if (c->expired != 0) return true;
     second = fmax2(second, fmax2(c->travel[1], fmin2(first, c->travel[0])));
     first = fmax2(first, c->travel[0]);
   }
-  const double fault = w.options.seeded_fault == 3 ? 3 : 1;  // tests only: believes in more than was listed
   const double skin = fault * w.skin.uniform;
   switch (w.skin.policy) {
     case ListPolicy::two_largest:
       return first + second > 2 * skin;
     case ListPolicy::accumulated:
       return w.frame.travelled > skin;
-    case ListPolicy::mean_subtracted: {
-      if (!w.has.walls) return false;
-      const Vec3 d = (static_cast<double>(w.step - w.frame.built) * w.scene.dt) * w.frame.velocity;
-      return !(norm(d) <= fault * w.skin.frame_travel);
-    }
     default:
       return false;
   }

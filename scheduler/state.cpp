@@ -51,6 +51,7 @@ void set_particle_capacity(World& w, Row n) {
   if (w.has.fixed) w.fixed.resize(rows);
   if (w.has.groups) w.group.resize(rows);
   if (w.has.energies) w.energy.resize(4 * rows);
+  if (w.skin.policy == ListPolicy::velocity_profile) w.drift.resize(4 * rows);
   if (w.skin.policy == ListPolicy::displacement_history) w.next_skin.resize(rows);
   for (Row i = std::min(old, n); i < static_cast<Row>(rows); ++i) {  // new and padding rows: dead
     for (auto* p : {&w.p, &w.p2, &w.x0})

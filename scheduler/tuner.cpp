@@ -29,6 +29,8 @@ constexpr int k_wall_sample = 16;      // and every k_wall_sample-th row near a 
 // Classes of skins, in diameters: two per octave of the square, from 2^-28 (6e-5 d) on.
 constexpr int k_first_class = (127 - 28) * 2, k_classes = 2 * 30;
 
+double square(double a) { return a * a; }
+
 int class_of(double square) {
   const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(square));
   return std::clamp(static_cast<int>(bits >> 22) - k_first_class, 0, k_classes - 1);
@@ -57,6 +59,7 @@ struct SkinTuner::Use {
   double travel2[k_classes] = {}, ratio2[k_classes] = {};  ///< largest; of (travel / skin)^2
   double floor_rows = 0, floor_travel2 = 0, floor_ratio2 = 0;
   double cap_rows = 0, cap_skin = 0, cap_ratio2 = 0;  ///< rows whose skin is capped: no K changes it
+  double life2 = 0;                                   ///< of (interval / life of the lists)^2, where K sets that life
 
   void add(const Use& o) {
     for (int k = 0; k < k_classes; ++k) {
@@ -73,7 +76,7 @@ struct SkinTuner::Use {
     cap_ratio2 = fmax2(cap_ratio2, o.cap_ratio2);
   }
   double largest_ratio2() const {
-    double q = fmax2(floor_ratio2, cap_ratio2);
+    double q = fmax2(life2, fmax2(floor_ratio2, cap_ratio2));
     for (const double r : ratio2) q = fmax2(q, r);
     return q;
   }
@@ -116,7 +119,6 @@ SkinTuner::Ticks SkinTuner::ticks(const World& w) const {
 
 SkinTuner::Use SkinTuner::used_skins(World& w) const {
   std::vector<Use> parts(w.chunks.size());
-  const Vec3 frame = frame_travel(w, w.step - w.frame.built);
   const double floor2 = has_floor_ ? floor_ * floor_ * (1 + 1e-9) : 0;
   parallel(w, static_cast<int>(w.chunks.size()), [&](int q) {
     const Chunk& c = *w.chunks[static_cast<std::size_t>(q)];
@@ -125,7 +127,7 @@ SkinTuner::Use SkinTuner::used_skins(World& w) const {
     for (Row i = c.lo; i < last; ++i) {
       const double *x = w.p.data() + 4L * i, *ref = w.x0.data() + 4L * i;
       if (!(x[0] < 1e100) || !(ref[3] > 0) || !(ref[3] < 1e100)) continue;
-      const double size2 = 4 * x[3] * x[3], skin2 = ref[3] / size2, travelled2 = travel2(w, x, ref, frame) / size2;
+      const double size2 = 4 * x[3] * x[3], skin2 = ref[3] / size2, travelled2 = used2(w, i) / size2;
       const double ratio2 = travelled2 / skin2;
       if (skin2 <= floor2) {
         use.floor_rows += 1;
@@ -149,6 +151,8 @@ SkinTuner::Use SkinTuner::used_skins(World& w) const {
   });
   Use all;
   for (const Use& u : parts) all.add(u);
+  if (w.skin.policy == ListPolicy::velocity_profile)
+    all.life2 = square(static_cast<double>(w.step - w.frame.built) * w.scene.dt / w.frame.life);
   return all;
 }
 
@@ -194,7 +198,7 @@ void SkinTuner::choose(World& w, const Use& use, double steps) {
   for (const double s : use.skin) present += s;
   double tried = has_floor_ ? fmax2(__builtin_sqrt(use.floor_travel2), k_least_floor) : 0;
   for (int round = 0; round < 40; ++round, tried *= 1.2) {
-    double f = 0, total = use.floor_rows * tried + use.cap_skin;
+    double f = use.life2, total = use.floor_rows * tried + use.cap_skin;
     for (int k = 0; k < k_classes; ++k)
       if (use.rows[k] > 0 && use.travel2[k] > tried * tried) f = fmax2(f, use.ratio2[k]);
     f = __builtin_sqrt(f);
@@ -251,6 +255,7 @@ void SkinTuner::list_built(World& w, double rebuild_ticks) {
   begin_ = ticks(w);
   // pairs whose gap lies between 3/4 and 1 of their skins: what a change of skins adds or takes
   std::int64_t near = 0;
+  const double stretch = 1 / (1 - 0.75 * (1 - 1 / w.frame.stretch));  // that of 3/4 of the lists' life
   slots_ = contacts_ = 0;
   for (const auto& cp : w.chunks) {
     const Chunk& c = *cp;
@@ -262,8 +267,8 @@ void SkinTuner::list_built(World& w, double rebuild_ticks) {
         if (i >= w.n || j >= w.n) continue;  // padding
         const double *x = w.p.data() + 4L * i, *y = w.p.data() + 4L * j;
         const double skins = __builtin_sqrt(w.x0[4L * i + 3]) + __builtin_sqrt(w.x0[4L * j + 3]);
-        const double d = __builtin_sqrt(travel2(w, x, y, {}));
-        near += d - (x[3] + w.skin.range(x[3]) + y[3] + w.skin.range(y[3])) > 0.75 * skins ? 1 : 0;
+        const double touch = x[3] + w.skin.range(x[3]) + y[3] + w.skin.range(y[3]);
+        near += distance2(w, x, y) > square((touch + 0.75 * skins) * stretch) ? 1 : 0;
       }
   }
   gain_ = 4.0 * k_sample * static_cast<double>(near);
@@ -280,8 +285,9 @@ void SkinTuner::sample_walls(const World& w) {
     for (std::size_t k = static_cast<std::size_t>(c.index % k_wall_sample); k < c.wall_row.size(); k += k_wall_sample) {
       const double* x = w.p.data() + 4L * c.wall_row[k];
       const double skin = w.skin.to_walls(__builtin_sqrt(w.x0[4L * c.wall_row[k] + 3]));
+      const double drift = drift_reach(w, c.wall_row[k]);
       found.clear();
-      w.walls.candidates({x[0], x[1], x[2]}, x[3] + 2 * w.skin.range(x[3]) + 0.75 * skin, found);
+      w.walls.candidates({x[0], x[1], x[2]}, x[3] + 2 * w.skin.range(x[3]) + 0.75 * (skin + drift), found);
       sampled += static_cast<double>(c.wall_begin[k + 1] - c.wall_begin[k]);
       fewer += static_cast<double>(found.size());
     }

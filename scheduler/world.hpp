@@ -192,7 +192,7 @@ struct World {
   std::string isa_why;
   const LawInfo* law = nullptr;
   int law_variant = 0;
-  bool trial = false;  ///< the Coulomb limit is applied by the scatter (KernelTable::trial)
+  bool trial = false;                      ///< the Coulomb limit is applied by the scatter (KernelTable::trial)
   std::vector<PairParameters> parameters;  ///< particle pairs, and walls (same table: walls are materials)
   LawArgs law_args{};
   std::vector<AddOnParameters> add_ons;  ///< like parameters; empty without rolling, twisting and cohesion
@@ -214,6 +214,7 @@ struct World {
   Column<std::uint8_t> fixed;     ///< only where something can be fixed
   Column<std::int16_t> group;     ///< only with groups
   Column<double> energy;          ///< [4 n] only with energies: elastic, damping, friction, work of a driven row
+  Column<float> drift;            ///< [4 n] only with list policy velocity_profile: {u, 0}, the profile's at x0 [m/s]
   Column<double> next_skin;       ///< only with list policy displacement_history [m]; -1: no past
   ParticleId next_id = 0;
   bool velocity_at_old_step = false;  ///< v2 holds v(n-3/2) of the same rows (for |a| in the skin)
@@ -272,6 +273,11 @@ struct World {
   double row_energy(Row i) const;           ///< kinetic, and potential where the row is free [J]
   int pair_index(int a, int b) const { return a * static_cast<int>(scene.materials.size()) + b; }
   Vec3 position(Row i) const;  ///< absolute [m]
+  /// Drift velocity of a row for the policies that have one (SkinRule::drifts()) [m/s].
+  Vec3 drift_of(Row i) const {
+    const float* u = drift.empty() ? frame.drift : drift.data() + 4L * i;
+    return {u[0], u[1], u[2]};
+  }
   bool is_alive(Row i) const { return p[4L * i] < 1e100; }
   /// History column q changes sign when the partners of a contact are swapped.
   bool flips(int q) const {
@@ -320,8 +326,8 @@ void narrow_chunk(World& w, Chunk& c);
 struct BlockBuffers {
   alignas(64) double x[4][k_block + k_pad], g[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad],
       reff[k_block + k_pad];
-  alignas(64) double t[3][k_block + k_pad];  ///< see Block::t
-  alignas(64) double s[4][k_block + k_pad];  ///< spins, then moments; rolling and twisting only
+  alignas(64) double t[3][k_block + k_pad];              ///< see Block::t
+  alignas(64) double s[4][k_block + k_pad];              ///< spins, then moments; rolling and twisting only
   alignas(64) double h[k_max_history][k_block + k_pad];  ///< history of a block whose contacts have moved
   alignas(64) std::int32_t pair[k_block + k_pad];
   BlockBuffers() noexcept {

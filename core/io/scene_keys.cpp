@@ -282,7 +282,7 @@ constexpr SceneKey k_keys[] = {
 
     {"list", "policy", T::choice, "", 0, 0, false,
      "always|paper|local|uniform|two_largest|accumulated|global_velocity|neighbourhood|mean_subtracted|"
-     "displacement_history|fixed",
+     "velocity_profile|displacement_history|fixed",
      "\"local\"", "", "when and with which skins the list is rebuilt; all exact but fixed", "\"paper\""},
     {"list", "verlet_k", T::number_or_auto, "steps", 0, 1e9, false, "", "\"auto\"", "",
      "K in skin = K |v| step; \"auto\": K and floor follow the run, never its results", "200"},

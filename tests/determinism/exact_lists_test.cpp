@@ -177,7 +177,7 @@ INSTANTIATE_TEST_SUITE_P(Policies, Lists,
                          testing::Values(ListPolicy::always, ListPolicy::paper, ListPolicy::local, ListPolicy::uniform,
                                          ListPolicy::two_largest, ListPolicy::accumulated, ListPolicy::global_velocity,
                                          ListPolicy::neighbourhood, ListPolicy::mean_subtracted,
-                                         ListPolicy::displacement_history),
+                                         ListPolicy::velocity_profile, ListPolicy::displacement_history),
                          policy_name);
 
 }  // namespace

@@ -88,11 +88,17 @@ Made make_scene(int index) {
                             "1\nfriction = 0.5\n[[source]]\nkind = \"file\"\nfile = \"" +
                             file + "\"\n",
                         "levels", ".");
-  static constexpr ListPolicy policies[] = {ListPolicy::always,          ListPolicy::paper,
-                                            ListPolicy::local,           ListPolicy::uniform,
-                                            ListPolicy::two_largest,     ListPolicy::accumulated,
-                                            ListPolicy::global_velocity, ListPolicy::neighbourhood,
-                                            ListPolicy::mean_subtracted, ListPolicy::displacement_history};
+  static constexpr ListPolicy policies[] = {ListPolicy::always,
+                                            ListPolicy::paper,
+                                            ListPolicy::local,
+                                            ListPolicy::uniform,
+                                            ListPolicy::two_largest,
+                                            ListPolicy::accumulated,
+                                            ListPolicy::global_velocity,
+                                            ListPolicy::neighbourhood,
+                                            ListPolicy::mean_subtracted,
+                                            ListPolicy::velocity_profile,
+                                            ListPolicy::displacement_history};
   m.scene.list.policy = policies[static_cast<std::size_t>(index) % std::size(policies)];
   m.scene.list.verlet_k = 1 + 20 * u.next();
   m.scene.list.automatic = false;
@@ -131,8 +137,8 @@ std::int64_t check_lists(const World& w, bool periodic) {
           if (periodic) d -= w.size[k] * std::nearbyint(d / w.size[k]);
           d2 += d * d;
         }
-        const double reach =
-            w.p[4L * i + 3] + w.p[4L * j + 3] + std::sqrt(w.x0[4L * i + 3]) + std::sqrt(w.x0[4L * j + 3]);
+        const double reach = w.frame.stretch * (w.p[4L * i + 3] + w.p[4L * j + 3] + std::sqrt(w.x0[4L * i + 3]) +
+                                                std::sqrt(w.x0[4L * j + 3]));
         if (d2 <= reach * reach) {
           EXPECT_TRUE(listed.count({i, j}) == 1) << i << " " << j << " lack each other";
           ++pairs;

@@ -113,6 +113,55 @@ TEST(Policies, MeanSubtractedHoldsWallContactsWhileTheCrowdFallsOnThem) {
   EXPECT_EQ(o.hash, outcome(Variant{ListPolicy::always, 0, 1, 128, Isa::automatic}.apply(scene), 1500).hash);
 }
 
+/// The crowd in six layers that flow past each other at 0 ... 5 m/s, between walls below and above.
+Scene sheared_crowd(const std::string& list) {
+  Scene s = crowd("[\"periodic\", \"periodic\", \"wall\"]", {}, list);
+  const Source layer = s.sources[0];
+  s.sources.clear();
+  for (int k = 0; k < 6; ++k) {
+    Source& f = s.sources.emplace_back(layer);
+    f.number = 100;
+    f.velocity = {static_cast<double>(k), 0, 0};
+    f.velocity_jitter = 0.2;
+    f.region.lower.z = 0.01 + 0.05 * k;
+    f.region.upper.z = 0.04 + 0.05 * k;
+  }
+  return s;
+}
+
+// Lists last as long as what is left beside the profile allows, though a layer runs a diameter past the next one.
+TEST(Policies, VelocityProfileDoesNotPayForAShearFlow) {
+  const auto run = [](const std::string& policy) {
+    Scene s = sheared_crowd("policy = \"" + policy + "\"\n");
+    return outcome(s, 3000, true);
+  };
+  const Outcome local = run("local"), mean = run("mean_subtracted"), profile = run("velocity_profile");
+  std::printf("rebuilds: local %lld, mean_subtracted %lld, velocity_profile %lld\n",
+              static_cast<long long>(local.counters.rebuilds_skin), static_cast<long long>(mean.counters.rebuilds_skin),
+              static_cast<long long>(profile.counters.rebuilds_skin));
+  EXPECT_EQ(profile.counters.missed_contacts, 0);
+  EXPECT_EQ(profile.hash, local.hash);
+  EXPECT_GT(profile.counters.contacts, 0);
+  EXPECT_GT(local.counters.rebuilds_skin, 3 * profile.counters.rebuilds_skin);
+  EXPECT_GT(mean.counters.rebuilds_skin, 2 * profile.counters.rebuilds_skin);
+  EXPECT_GT(profile.counters.rebuilds_skin, 5) << "lists must expire, or nothing is tested";
+}
+
+// Walls at rest see the whole travel, the profile's part of it too; and a drift may run over several periods.
+TEST(Policies, VelocityProfileHoldsWallContactsAndPeriodsThatItRunsThrough) {
+  const Scene falls = crowd("\"wall\"", {0, 4, -20}, "policy = \"velocity_profile\"\n");
+  const Outcome o = outcome(falls, 1500, true);
+  EXPECT_EQ(o.counters.missed_contacts, 0);
+  EXPECT_GT(o.counters.wall_contacts, 0);
+  EXPECT_EQ(o.hash, outcome(Variant{ListPolicy::always, 0, 1, 128, Isa::automatic}.apply(falls), 1500).hash);
+  Scene fast = crowd("[\"periodic\", \"periodic\", \"open\"]", {200, -150, 0}, "policy = \"velocity_profile\"\n");
+  fast.list.verlet_k = 1000;  // 2 m in a list's life, 7 periods
+  const Outcome far = outcome(fast, 2000, true);
+  EXPECT_EQ(far.counters.missed_contacts, 0);
+  EXPECT_LT(far.counters.rebuilds_skin, 60);
+  EXPECT_EQ(far.hash, outcome(Variant{ListPolicy::always, 0, 1, 128, Isa::automatic}.apply(fast), 2000).hash);
+}
+
 // Grains that shake to and fro are slow at every turn: a skin from the speed of the moment is short there, one from
 // what was travelled is not. A crystal of touching grains, each between its neighbours. The memory has to live through
 // sort epochs: with one every 30 steps a rule that forgets would be back at the speed of the moment in each list.
@@ -141,15 +190,18 @@ TEST(Policies, DisplacementHistoryKeepsTheSkinsOfWhatShakesAlsoThroughSortEpochs
   EXPECT_LT(1.5 * history_epochs, speed_epochs);
 }
 
-TEST(Policies, OnlyDisplacementHistoryKeepsAMemory) {
-  const auto bytes = [](const char* policy) {
+TEST(Policies, OnlyThoseThatNeedAnArrayHaveIt) {
+  const auto bytes = [](const char* policy, const char* array) {
     const Simulation s(crowd(k_periodic, {}, std::string("policy = \"") + policy + "\"\n"), RunOptions{});
     for (const auto& a : s.plan().arrays)
-      if (a.name == "next skin") return a.in ? a.bytes_per_particle : 0.0;
+      if (a.name == array) return a.in ? a.bytes_per_particle : 0.0;
     return -1.0;
   };
-  EXPECT_EQ(bytes("local"), 0);
-  EXPECT_EQ(bytes("displacement_history"), 8);
+  EXPECT_EQ(bytes("local", "next skin"), 0);
+  EXPECT_EQ(bytes("displacement_history", "next skin"), 8);
+  EXPECT_EQ(bytes("local", "drift"), 0);
+  EXPECT_EQ(bytes("mean_subtracted", "drift"), 0);
+  EXPECT_EQ(bytes("velocity_profile", "drift"), 16);
 }
 
 TEST(Policies, FixedIntervalMissesContactsAndTheAuditCountsThem) {

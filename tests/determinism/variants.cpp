@@ -13,11 +13,17 @@
 namespace talus::determinism {
 namespace {
 
-const std::vector<ListPolicy> k_policies = {ListPolicy::always,          ListPolicy::paper,
-                                            ListPolicy::local,           ListPolicy::uniform,
-                                            ListPolicy::two_largest,     ListPolicy::accumulated,
-                                            ListPolicy::global_velocity, ListPolicy::neighbourhood,
-                                            ListPolicy::mean_subtracted, ListPolicy::displacement_history};
+const std::vector<ListPolicy> k_policies = {ListPolicy::always,
+                                            ListPolicy::paper,
+                                            ListPolicy::local,
+                                            ListPolicy::uniform,
+                                            ListPolicy::two_largest,
+                                            ListPolicy::accumulated,
+                                            ListPolicy::global_velocity,
+                                            ListPolicy::neighbourhood,
+                                            ListPolicy::mean_subtracted,
+                                            ListPolicy::velocity_profile,
+                                            ListPolicy::displacement_history};
 const std::vector<double> k_verlet = {0, 1, 10, 50, 200, 1000, 5000, k_auto};
 const std::vector<int> k_threads = {1, 2, 3, 8};
 const std::vector<int> k_chunks = {64, 257, 0};
