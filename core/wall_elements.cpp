@@ -41,6 +41,11 @@ FrustumElement make_frustum(Vec3 base, Vec3 axis, double length, double radius_s
 TriangleElement make_triangle(Vec3 a, Vec3 b, Vec3 c) noexcept {
   TriangleElement t;
   t.v = {a, b, c};
+  const Vec3 middle = (1.0 / 3.0) * (a + b + c);
+  for (int k = 0; k < 3; ++k) t.ball_centre[static_cast<std::size_t>(k)] = static_cast<float>(middle[k]);
+  const Vec3 centre{t.ball_centre[0], t.ball_centre[1], t.ball_centre[2]};
+  const double far2 = fmax2(norm2(a - centre), fmax2(norm2(b - centre), norm2(c - centre)));
+  t.ball_radius = static_cast<float>(std::sqrt(far2) * (1 + 1e-6));
   // The cross product of the two shortest edges loses least to cancellation: in a needle they meet at an open angle.
   const double ab = norm2(b - a), bc = norm2(c - b), ca = norm2(a - c);
   if (ab >= bc && ab >= ca) {
@@ -96,6 +101,9 @@ ElementHit closest(const TriangleElement& t, Vec3 c) noexcept {
 }
 
 bool closest_within(const TriangleElement& t, Vec3 c, double limit, ElementHit& hit) noexcept {
+  const double away = limit + t.ball_radius;
+  const Vec3 from_ball{c.x - t.ball_centre[0], c.y - t.ball_centre[1], c.z - t.ball_centre[2]};
+  if (norm2(from_ball) > away * away) return false;
   const double h = plane_distance(t, c);
   const double room = limit * limit - h * h;  // of the squared distance within the plane
   if (!(room > 0)) return false;

@@ -38,8 +38,12 @@ struct FrustumElement {
 /// `point` and `normal` describe the plane that the facet shares with its coplanar neighbours; the vertices run
 /// counter-clockwise about that normal.
 struct TriangleElement {
+  Vec3 point, normal;  ///< [m], unit
+  /// Ball around the vertices [m]: a point farther from it than a limit is farther from the facet, too. Single
+  /// precision: what decides about most candidates is one cache line.
+  std::array<float, 3> ball_centre{};
+  float ball_radius = 0;
   std::array<Vec3, 3> v;  ///< [m]
-  Vec3 point, normal;     ///< [m], unit
 };
 
 /// a / |a|; the zero vector is returned unchanged.

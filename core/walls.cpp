@@ -35,6 +35,7 @@ namespace {
 
 constexpr double k_tangent_tolerance = 1e-9;    // of the radius
 constexpr double k_candidate_inflation = 1e-9;  // of the reach: far above the rounding of a distance
+constexpr double k_bound_deflation = 1e-6;      // of a distance that is stored in single precision
 
 struct FacetMesh {
   std::vector<TriangleElement> facets;
@@ -143,6 +144,7 @@ struct WallSet::Impl {
   std::vector<Wall> walls;
   std::int64_t elements = 0;
   double dt = 0;
+  double came = 0;             ///< largest travelled() since mark() [m]
   std::array<Vec3, 8> domain;  ///< corners of the domain, widened by max_reach
   Vec3 lower, upper;           ///< the domain itself [m]
 
@@ -304,10 +306,17 @@ std::size_t WallSet::bytes() const noexcept {
 void WallSet::set_step(std::int64_t n, double dt) {
   if (!impl_) return;
   impl_->dt = dt;
-  for (Wall& w : impl_->walls) w.pose = pose_at(w.spec.motion, w.spec.appear, w.spec.vanish, n, dt);
+  impl_->came = 0;
+  for (Wall& w : impl_->walls) {
+    w.pose = pose_at(w.spec.motion, w.spec.appear, w.spec.vanish, n, dt);
+    impl_->came = fmax2(impl_->came, impl_->travelled(w));
+  }
 }
 
+double WallSet::came() const noexcept { return impl_->came; }
+
 void WallSet::mark(double k, double dt, double floor, double cap) {
+  if (impl_) impl_->came = 0;
   for (int i = 0; i < size(); ++i) {
     Wall& w = impl_->walls[i];
     w.marked = w.pose;
@@ -323,23 +332,29 @@ bool WallSet::expired() const {
   return false;
 }
 
-void WallSet::candidates(Vec3 c, double reach, std::vector<std::int32_t>& out) const {
+void WallSet::candidates(Vec3 c, double reach, std::vector<std::int32_t>& out, std::vector<float>* distance) const {
   for (int i = 0; i < size(); ++i) {
     const Wall& w = impl_->walls[i];
     if (!w.pose.active) continue;
     const Vec3 b = to_body(w.pose, c);
     const double coordinates = std::sqrt(norm2(c)) + std::sqrt(norm2(b)) + w.extent;
-    const double within = (reach + w.skin) * (1 + k_candidate_inflation) + 0x1p-48 * coordinates + w.slack;
+    const double rounding = 0x1p-48 * coordinates + w.slack;
+    const double within = (reach + w.skin) * (1 + k_candidate_inflation) + rounding;
+    const auto add = [&](std::int32_t element, double d) {
+      if (!(d <= within)) return;
+      out.push_back(element);
+      if (distance != nullptr) distance->push_back(static_cast<float>((d - rounding) * (1 - k_bound_deflation)));
+    };
     if (const auto* plane = std::get_if<PlaneElement>(&w.shape)) {
-      if (closest(*plane, b).distance <= within) out.push_back(w.first);
+      add(w.first, closest(*plane, b).distance);
     } else if (const auto* frustum = std::get_if<FrustumElement>(&w.shape)) {
-      if (closest(*frustum, b).distance <= within) out.push_back(w.first);
+      add(w.first, closest(*frustum, b).distance);
     } else {
       const auto& m = std::get<FacetMesh>(w.shape);
       const double padded = within * (1 + k_candidate_inflation);
       auto test = [&](std::int32_t f) {
         ElementHit hit;
-        if (closest_within(m.facets[f], b, padded, hit) && hit.distance <= within) out.push_back(w.first + f);
+        if (closest_within(m.facets[f], b, padded, hit)) add(w.first + f, hit.distance);
       };
       // a grid was built with the slack on top of its reach
       const auto covers = [&](const FacetGrid& g) { return within - w.slack <= g.reach() * (1 + 0.5e-6); };
@@ -398,7 +413,16 @@ int WallSet::contacts(Vec3 c, double radius, std::span<const std::int32_t> eleme
   hits.clear();
   collect_hits(walls, c, radius, elements, hits);
 
-  std::array<Hit, k_max_contacts> accepted;
+  const auto contact = [&](const Hit& h) {
+    const Vec3 point = c - h.distance * h.normal;
+    return WallContact{h.wall, h.element, h.normal, h.distance, velocity_at(walls[h.wall].pose, point, impl_->dt)};
+  };
+  if (hits.empty()) return 0;
+  if (hits.size() == 1) {
+    out[0] = contact(hits[0]);
+    return 1;
+  }
+  static thread_local std::array<Hit, k_max_contacts> accepted;  // not cleared at every call
   int count = 0;
   auto accept = [&](const Hit& h) {
     if (count == k_max_contacts)
@@ -419,32 +443,24 @@ int WallSet::contacts(Vec3 c, double radius, std::span<const std::int32_t> eleme
     }
     return false;
   };
-  if (hits.size() == 1) {
-    accept(hits[0]);
-  } else if (!hits.empty()) {
-    // Faces first, each group nearest first; an edge wins against a vertex at the same distance.
-    std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
-      const bool fa = a.feature == Feature::face, fb = b.feature == Feature::face;
-      if (fa != fb) return fa;
-      if (a.distance != b.distance) return a.distance < b.distance;
-      return a.feature != b.feature ? a.feature < b.feature : a.element < b.element;
-    });
-    for (const Hit& h : hits) {
-      if (behind_accepted(h)) continue;
-      bool contact = true;
-      if (h.feature != Feature::face)
-        for (const Hit& a : hits)
-          if (contact && leads_nearer(walls[a.wall], a, h, c, tolerance(a, h))) contact = false;
-      if (contact) accept(h);
-    }
-    std::sort(accepted.begin(), accepted.begin() + count,
-              [](const Hit& a, const Hit& b) { return a.element < b.element; });
+  // Faces first, each group nearest first; an edge wins against a vertex at the same distance.
+  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
+    const bool fa = a.feature == Feature::face, fb = b.feature == Feature::face;
+    if (fa != fb) return fa;
+    if (a.distance != b.distance) return a.distance < b.distance;
+    return a.feature != b.feature ? a.feature < b.feature : a.element < b.element;
+  });
+  for (const Hit& h : hits) {
+    if (behind_accepted(h)) continue;
+    bool separate = true;
+    if (h.feature != Feature::face)
+      for (const Hit& a : hits)
+        if (separate && leads_nearer(walls[a.wall], a, h, c, tolerance(a, h))) separate = false;
+    if (separate) accept(h);
   }
-  for (int k = 0; k < count; ++k) {
-    const Hit& h = accepted[k];
-    const Vec3 point = c - h.distance * h.normal;
-    out[k] = {h.wall, h.element, h.normal, h.distance, velocity_at(walls[h.wall].pose, point, impl_->dt)};
-  }
+  std::sort(accepted.begin(), accepted.begin() + count,
+            [](const Hit& a, const Hit& b) { return a.element < b.element; });
+  for (int k = 0; k < count; ++k) out[k] = contact(accepted[k]);
   return count;
 }
 

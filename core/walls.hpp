@@ -48,18 +48,18 @@ class WallSet {
   static constexpr int k_max_contacts = 16;  ///< simultaneous wall contacts of one particle; more is Error{physics}
 
   WallSet();
-  /// Builds all elements; loads meshes relative to scene.directory. Sides of the domain with Boundary::wall become plane
-  /// walls named "domain_x_lower" ... after the scene's own walls. `max_reach` [m]: the largest R_NL (radius + capped
-  /// skin + wall skin) that candidates() will ever be asked for (sizes the facet grid). `usual_reach` [m]: what most
-  /// calls stay below, 0: no grid of its own for it.
-  /// Errors: Error{scene} for a broken mesh or impossible geometry, with file and facet.
+  /// Builds all elements; loads meshes relative to scene.directory. Sides of the domain with Boundary::wall become
+  /// plane walls named "domain_x_lower" ... after the scene's own walls. `max_reach` [m]: the largest R_NL (radius +
+  /// capped skin + wall skin) that candidates() will ever be asked for (sizes the facet grid). `usual_reach` [m]: what
+  /// most calls stay below, 0: no grid of its own for it. Errors: Error{scene} for a broken mesh or impossible
+  /// geometry, with file and facet.
   WallSet(const Scene& scene, double max_reach, double usual_reach = 0);
   ~WallSet();
   WallSet(WallSet&&) noexcept;
   WallSet& operator=(WallSet&&) noexcept;
 
-  int size() const noexcept;                           ///< number of walls (0: scene needs no wall arrays or nodes)
-  bool any_moving() const noexcept;                    ///< some wall moves, appears or vanishes at some time
+  int size() const noexcept;         ///< number of walls (0: scene needs no wall arrays or nodes)
+  bool any_moving() const noexcept;  ///< some wall moves, appears or vanishes at some time
   const std::string& name(int wall) const;
   int material(int wall) const;
   std::int64_t element_count() const noexcept;
@@ -77,17 +77,20 @@ class WallSet {
   /// True if some wall's fastest vertex travel since mark() exceeds its stored skin, or its activity changed.
   bool expired() const;
 
-  /// Appends, ascending, the ids of all elements of active walls within radius + skin_particle + skin(wall) of centre c.
-  /// `reach` = radius + skin_particle. Thread-safe (const).
-  void candidates(Vec3 c, double reach, std::vector<std::int32_t>& out) const;
+  /// Appends, ascending, the ids of all elements of active walls within radius + skin_particle + skin(wall) of centre
+  /// c. `reach` = radius + skin_particle. `distance`: also appends a lower bound of the distance of each [m].
+  /// Thread-safe (const).
+  void candidates(Vec3 c, double reach, std::vector<std::int32_t>& out, std::vector<float>* distance = nullptr) const;
+  /// How much nearer a wall can have come since mark() to a point at rest [m]: the largest of all walls.
+  double came() const noexcept;
 
   /// Exact closest points of the candidate elements at the present pose, kept where distance < radius, reduced
   /// (face > edge > vertex; a feature at or behind the tangent plane of a nearer contact belongs to the same surface),
   /// ordered by (wall, element). Returns the count (<= k_max_contacts). Thread-safe.
   int contacts(Vec3 c, double radius, std::span<const std::int32_t> elements, WallContact* out) const;
 
-  /// For each of `now` the index of its predecessor in `before`, or -1: same element first, then within the same wall the
-  /// unmatched one with the closest normal (cosine > 0.9): history passes to the adjoining facet.
+  /// For each of `now` the index of its predecessor in `before`, or -1: same element first, then within the same wall
+  /// the unmatched one with the closest normal (cosine > 0.9): history passes to the adjoining facet.
   static void match(std::span<const WallContact> before, std::span<const WallContact> now, std::int32_t* from);
 
   /// Surfaces at the present pose, for output.

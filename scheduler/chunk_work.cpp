@@ -363,7 +363,8 @@ void wall_chunk(World& w, Chunk& c) {
   c.wall_next.clear();
   c.wall_moment_next.clear();
   const auto moment_columns = static_cast<std::size_t>(w.has.moment_columns);
-  WallContact found[WallSet::k_max_contacts];
+  const double wall_travel = w.walls.came();
+  WallContact found[WallSet::k_max_contacts], before[WallSet::k_max_contacts];
   std::int32_t from[WallSet::k_max_contacts];
   std::size_t old = 0;
   for (std::size_t q = 0; q + 1 < c.wall_begin.size(); ++q) {
@@ -371,13 +372,21 @@ void wall_chunk(World& w, Chunk& c) {
     const double* x = w.p.data() + 4L * i;
     if (!(x[0] < 1e100)) continue;
     const Vec3 centre{x[0], x[1], x[2]};
-    const std::span<const std::int32_t> elements(c.wall_element.data() + c.wall_begin[q],
-                                                 static_cast<std::size_t>(c.wall_begin[q + 1] - c.wall_begin[q]));
-    int n = w.walls.contacts(centre, x[3] + 2 * w.skin.range(x[3]), elements, found);
+    const double radius = w.has.adhesion ? c.wall_radius[q] : x[3];
+    const std::size_t first = c.wall_begin[q], count = c.wall_begin[q + 1] - first;
+    if (s.wall_near.size() < count) s.wall_near.resize(2 * count);
+    // elements that the way of the row and of the walls since the rebuild cannot have brought within its radius: most
+    const double came = __builtin_sqrt(distance2(w, x, w.x0.data() + 4L * i)) + wall_travel;
+    const auto limit = static_cast<float>((radius + came) * (1 + 1e-6));
+    std::size_t near = 0;
+    for (std::size_t k = first; k < first + count; ++k) {
+      s.wall_near[near] = c.wall_element[k];
+      near += c.wall_distance[k] <= limit ? 1 : 0;
+    }
+    int n = w.walls.contacts(centre, radius, std::span<const std::int32_t>(s.wall_near.data(), near), found);
     if (n == 0) continue;
     while (old < c.wall_state.size() && c.wall_state[old].row < i) ++old;
     std::size_t end = old;
-    WallContact before[WallSet::k_max_contacts];
     int nb = 0;
     while (end < c.wall_state.size() && c.wall_state[end].row == i && nb < WallSet::k_max_contacts)
       before[nb++] = c.wall_state[end++].contact;

@@ -311,8 +311,9 @@ std::size_t bytes_of(const World& w) {
   if (w.has.walls) b += w.walls.bytes();
   for (const auto& c : w.chunks) {
     b += size(c->pi) + size(c->pj) + size(c->mask) + size(c->wall_row) + size(c->wall_begin) + size(c->wall_element) +
-         size(c->wall_state) + size(c->wall_next) + size(c->wall_force) + size(c->wall_point) + size(c->distributed) +
-         size(c->wall_moment) + size(c->wall_moment_next) + size(c->wall_torque) + size(c->out);
+         size(c->wall_distance) + size(c->wall_radius) + size(c->wall_state) + size(c->wall_next) +
+         size(c->wall_force) + size(c->wall_point) + size(c->distributed) + size(c->wall_moment) +
+         size(c->wall_moment_next) + size(c->wall_torque) + size(c->out);
     for (int k = 0; k < k_max_columns; ++k) b += size(c->h[k]);
   }
   return b;
@@ -363,7 +364,7 @@ Plan plan_of(const World& w) {
   for (const auto& c : w.chunks) {
     lists += 8.0 * static_cast<double>(c->end[2]) + static_cast<double>(c->end[2]) / 8;
     history += 8.0 * h.history_columns * static_cast<double>(c->contact_end[2]);
-    walls += 4.0 * static_cast<double>(c->wall_row.size() * 2 + c->wall_element.size()) +
+    walls += 4.0 * static_cast<double>(c->wall_row.size() * 2 + c->wall_element.size() * 2) +
              static_cast<double>(sizeof(WallState) * c->wall_state.size() + 8 * c->wall_moment.size());
   }
   array("pair list", true, lists / n, "rows of candidate pairs and touch bits");

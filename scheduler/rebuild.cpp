@@ -131,7 +131,9 @@ void assemble_chunk(World& w, Chunk& c, ListScratch& t, const std::uint64_t* key
 void wall_candidates(World& w, Chunk& c) {
   c.wall_row.clear();
   c.wall_begin.clear();
+  c.wall_radius.clear();
   c.wall_element.clear();
+  c.wall_distance.clear();
   for (Row i = c.lo; i < c.hi; ++i) {
     if (!w.is_alive(i) || (w.has.fixed && w.fixed[i] != 0)) continue;
     const std::size_t before = c.wall_element.size();
@@ -139,7 +141,7 @@ void wall_candidates(World& w, Chunk& c) {
         w.skin.to_walls(__builtin_sqrt(w.x0[4L * i + 3]) / (w.options.seeded_fault == 3 ? 3 : 1)) + drift_reach(w, i);
     // Walls have no images: where the row wraps before the next rebuild it meets the elements at the other end.
     const Vec3 at{w.p[4L * i], w.p[4L * i + 1], w.p[4L * i + 2]};
-    const double reach = w.p[4L * i + 3] + 2 * w.skin.range(w.p[4L * i + 3]) + skin;
+    const double radius = w.p[4L * i + 3] + 2 * w.skin.range(w.p[4L * i + 3]), reach = radius + skin;
     Vec3 shift[3];
     int shifts[3] = {1, 1, 1};
     for (int k = 0; k < 3; ++k) {
@@ -151,14 +153,17 @@ void wall_candidates(World& w, Chunk& c) {
     for (int a = 0; a < shifts[0]; ++a)
       for (int b = 0; b < shifts[1]; ++b)
         for (int d = 0; d < shifts[2]; ++d)
-          w.walls.candidates(at + Vec3{shift[a].x, shift[b].y, shift[d].z}, reach, c.wall_element);
+          w.walls.candidates(at + Vec3{shift[a].x, shift[b].y, shift[d].z}, reach, c.wall_element, &c.wall_distance);
     if (shifts[0] * shifts[1] * shifts[2] > 1) {
       const auto first = c.wall_element.begin() + static_cast<std::ptrdiff_t>(before);
       std::sort(first, c.wall_element.end());
       c.wall_element.erase(std::unique(first, c.wall_element.end()), c.wall_element.end());
+      c.wall_distance.resize(before);  // which image comes nearest may change
+      c.wall_distance.resize(c.wall_element.size(), 0.0F);
     }
     if (c.wall_element.size() == before) continue;
     c.wall_row.push_back(i);
+    if (w.has.adhesion) c.wall_radius.push_back(radius);
     c.wall_begin.push_back(static_cast<std::int32_t>(before));
   }
   c.wall_begin.push_back(static_cast<std::int32_t>(c.wall_element.size()));

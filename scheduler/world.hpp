@@ -93,8 +93,9 @@ struct Scratch {
   bool clean = false;
   Column<HistoryRun> runs;          ///< where the contacts' history of the last step is; the chunk's run_count of them
   Column<double> h[k_max_columns];  ///< history of the present step, swapped with the chunk's where contacts have moved
-  Column<double> m;                 ///< moment rows {M, 0} of the chunk: rolling and twisting only
-  Column<std::uint8_t> before;      ///< touch bits of the last step: where add_ons.cpp carries history
+  std::vector<std::int32_t> wall_near;  ///< elements that a row can touch
+  Column<double> m;                     ///< moment rows {M, 0} of the chunk: rolling and twisting only
+  Column<std::uint8_t> before;          ///< touch bits of the last step: where add_ons.cpp carries history
 };
 
 /// Owner of rows [lo, hi).
@@ -116,7 +117,9 @@ struct Chunk {
   // walls
   Column<std::int32_t> wall_row;    ///< rows with candidates, ascending
   Column<std::int32_t> wall_begin;  ///< [rows + 1] into wall_element
+  std::vector<double> wall_radius;  ///< only with adhesion: R_C of each row towards a wall [m]
   std::vector<std::int32_t> wall_element;
+  std::vector<float> wall_distance;   ///< lower bound of each element's distance when the list was made [m]
   std::vector<WallState> wall_state;  ///< contacts of the last step, ascending (row, wall, element)
   std::vector<WallState> wall_next;
   std::vector<Vec3> wall_force;                       ///< on the particle, parallel to wall_state

@@ -128,6 +128,55 @@ TEST(WallCandidates, ReachCountsTheWallsSkin) {
   EXPECT_TRUE(out.empty());
 }
 
+// Later steps leave out elements by it: distance at the list - way of the centre - way of the walls <= distance now.
+TEST(WallCandidates, DistancesAreLowerBoundsThatHoldForMovedCentresAndWalls) {
+  std::vector<Vec3> points;
+  std::vector<std::array<int, 3>> facets;
+  blob(40, 20, 0.4, points, facets);
+  Scene s = scene_with({mesh_wall(write_obj("moving.obj", points, facets)), plane_wall({0, 0, -0.5}, {0, 0.1, 1}),
+                        cone_wall({0, 0, 0.4}, {0, 0, 1}, 0.3, 0.2, 0.1)});
+  s.walls[0].motion.rotation_axis = {0, 1, 1};
+  s.walls[0].motion.rotation_rate = 3;
+  s.walls[0].motion.velocity = {0.2, 0, -0.1};
+  s.walls[1].motion.velocity = {0, 0, 0.4};
+  WallSet walls(s, 0.2);
+  const CounterRng rng(3, 7);
+  const double dt = 1e-3;
+  int tight = 0, seen = 0, needs_walls = 0, needs_centre = 0;
+  for (std::uint64_t k = 0; k < 3000; ++k) {
+    const auto u = [&](std::uint64_t q, double a, double b) { return rng.uniform(16 * k + q, a, b); };
+    const auto n = static_cast<std::int64_t>(u(0, 0, 300));
+    walls.set_step(n, dt);
+    walls.mark(20, dt, 0, 1);
+    EXPECT_EQ(walls.came(), 0);
+    const Vec3 c{u(1, -0.6, 0.6), u(2, -0.6, 0.6), u(3, -0.7, 0.7)};
+    std::vector<std::int32_t> elements;
+    std::vector<float> bounds;
+    walls.candidates(c, 0.1, elements, &bounds);
+    ASSERT_EQ(elements.size(), bounds.size());
+    const Vec3 move{u(4, -0.02, 0.02), u(5, -0.02, 0.02), u(6, -0.02, 0.02)};
+    std::vector<double> before(elements.size(), -1);
+    WallContact contact[WallSet::k_max_contacts];
+    for (std::size_t e = 0; e < elements.size(); ++e)
+      if (walls.contacts(c, 0.5, std::span(&elements[e], 1), contact) == 1) before[e] = contact[0].distance;
+    walls.set_step(n + static_cast<std::int64_t>(u(7, 0, 20)), dt);
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+      if (before[e] < 0 || walls.contacts(c + move, 0.5, std::span(&elements[e], 1), contact) != 1) continue;
+      ++seen;
+      const double bound = bounds[e], now = contact[0].distance, way = norm(move);
+      ASSERT_LE(bound, before[e]);
+      tight += bound > before[e] * (1 - 1e-5) - 3e-7 ? 1 : 0;
+      ASSERT_LE(bound - way - walls.came(), now) << "sample " << k;
+      needs_walls += bound - way > now ? 1 : 0;
+      needs_centre += bound - walls.came() > now ? 1 : 0;
+    }
+  }
+  EXPECT_GT(seen, 3000);
+  EXPECT_EQ(tight, seen);
+  EXPECT_GT(needs_walls, 0);
+  EXPECT_GT(needs_centre, 0);
+}
+
 TEST(WallSurfaces, PrimitivesAreTessellatedAndPlanesClippedToTheDomain) {
   Scene s = scene_with({plane_wall({0, 0, 0.5}, {0, 0, 1}), cone_wall({0, 0, 0}, {0, 0, 1}, 1, 0.5, 0),
                         box_wall({0, 0, 0}, {1, 1, 1}), plane_wall({0, 0, 9}, {0, 0, 1})});
