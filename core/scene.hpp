@@ -84,6 +84,7 @@ struct ContactLaw {
   double tangential_damping = 0;    ///< linear [1/s]
   Dashpot dashpot = Dashpot::centred;
   bool onset_correction = true;  ///< weigh the linear dashpot by the touching fraction of the first and last step
+  bool clip_tension = false;     ///< the normal force never pulls; restitution is that of clipped impacts
   bool synchronised = true;      ///< tangential history in the mid-step frame (VERIFICATION 3.8)
   Lever lever = Lever::contact;
   Sliding sliding =

@@ -8,6 +8,7 @@
 
 #include "core/adhesion.hpp"
 #include "core/det_math.hpp"
+#include "core/restitution.hpp"
 #include "core/error.hpp"
 
 namespace talus {
@@ -131,12 +132,13 @@ Limits limits_of(const Scene& scene, const Contact& c, double velocity) {
   const double pi = det::k_pi;
   const double r = wall ? c.r_a : c.r_a * c.r_b / (c.r_a + c.r_b);
   const double spins = 2.5 / (m_a * c.r_a * c.r_a) + (wall ? 0 : 2.5 / (mass(b.density, c.r_b) * c.r_b * c.r_b));
-  const double log_e = k.restitution > 0 ? det::log(k.restitution) : 0;
-  const double ratio_of_e = -log_e / std::sqrt(pi * pi + log_e * log_e);  // damping ratio of a linear pair
+  const auto coefficient = [&](DampedSpring spring) {
+    return k.restitution > 0 ? damping_coefficient(k.restitution, spring, scene.contact.clip_tension) : 0;
+  };
   if (scene.contact.model == ContactModel::linear) {
     const double stiffness = scene.contact.normal_stiffness;
     const double omega = std::sqrt(stiffness / m);
-    const double z = scene.contact.by_restitution ? ratio_of_e : 0.5 * scene.contact.normal_damping / omega;
+    const double z = scene.contact.by_restitution ? 0.5 * coefficient(DampedSpring::linear) : 0.5 * scene.contact.normal_damping / omega;
     // t_c = pi / sqrt(k/m - (g/2)^2); an overdamped contact never rebounds, its undamped time is the scale
     const double contact = pi / (omega * (z < 1 ? std::sqrt(1 - z * z) : 1));
     const double kt = scene.contact.friction ? scene.contact.tangential_stiffness / stiffness : 0;
@@ -161,7 +163,7 @@ Limits limits_of(const Scene& scene, const Contact& c, double velocity) {
   const double omega = std::sqrt(2 * e_star * radius / m);
   // alpha sqrt(m k) delta^(1/4) with k = 4/3 E* sqrt(R): ratio alpha / sqrt(6) of the tangent stiffness 3/2 k
   // sqrt(delta)
-  const double z = std::sqrt(5.0 / 6.0) * ratio_of_e;
+  const double z = coefficient(DampedSpring::hertz) / std::sqrt(6.0);
   return {contact, fmin2(2 / omega, spin_limit(scene, k, 2 * e_star * radius, r, spins)),
           packing_share(scene.contact.friction ? 4 * g_star / e_star : 0, z, scene.contact.dashpot)};
 }

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "core/det_math.hpp"
+#include "core/restitution.hpp"
 #include "core/error.hpp"
 
 namespace talus {
@@ -119,14 +120,12 @@ std::vector<PairParameters> pair_parameters(const Scene& scene) {
       const PairCoefficients& c = scene.pair(static_cast<int>(a), static_cast<int>(b));
       PairParameters& p = out[a * n + b];
       p.mu = c.friction;
-      const double pi = det::k_pi;
       if (law.model == ContactModel::linear) {
         p.kn = law.normal_stiffness;
         p.kt = law.tangential_stiffness;
         if (law.by_restitution) {
-          // rate = 2 beta sqrt(k/m_eff), beta = -ln e / sqrt(pi^2 + ln^2 e); the same rate tangentially
-          const double l = det::log(c.restitution);
-          p.gn = -2 * l / __builtin_sqrt(pi * pi + l * l);
+          // rate = 2 beta sqrt(k/m_eff); the same rate tangentially
+          p.gn = damping_coefficient(c.restitution, DampedSpring::linear, law.clip_tension);
           p.gt = law.tangential_damping > 0 ? law.tangential_damping : 0;
         } else {
           p.gn = law.normal_damping;
@@ -142,8 +141,7 @@ std::vector<PairParameters> pair_parameters(const Scene& scene) {
         if (law.model == ContactModel::hertz_tsuji) {
           alpha = 1.2728 + e * (-4.2783 + e * (11.087 + e * (-22.348 + e * (27.467 + e * (-18.022 + e * 4.8218)))));
         } else {
-          const double l = det::log(e);
-          alpha = -__builtin_sqrt(5.0) * l / __builtin_sqrt(pi * pi + l * l);
+          alpha = damping_coefficient(e, DampedSpring::hertz, law.clip_tension);
         }
         p.kn = 4.0 / 3.0 * e_star;
         p.kt = 8 * g_star;

@@ -69,6 +69,7 @@ Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool fri
   }
   double fn = c.kn * k.delta - gamma_n * k.meff * dashpot_velocity(p, k, a, c.kn * k.delta, predicted);
   if (a.centred != 0) fn /= 1 + 0.5 * a.dt * gamma_n;
+  if (a.clip != 0) fn = std::max(fn, 0.0);
   predicted = brief && k.vn > 0 ? 0 : k.vn + a.dt * fn / k.meff;
   if (!friction) return assemble(p, k, fn, {});
   // in the step in which they touch, the spheres have slid past each other only since then
@@ -97,6 +98,7 @@ Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, b
   const double cn = c.gn * std::sqrt(k.meff * sn), ct = c.gt * std::sqrt(k.meff * st);
   double fn = sn * k.delta - cn * dashpot_velocity(p, k, a, sn * k.delta, predicted);
   if (a.centred != 0) fn /= 1 + 0.5 * a.dt * cn / k.meff;
+  if (a.clip != 0) fn = std::max(fn, 0.0);
   predicted = k.vn + a.dt * fn / k.meff;
   if (!friction) return assemble(p, k, fn, {});
   ft = ft - dot(ft, k.n) * k.n;

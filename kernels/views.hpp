@@ -76,6 +76,7 @@ struct LawArgs {
   int centred;                  ///< dashpot: velocity at n, not that of n-1/2
   int recall;                   ///< centred: the last history column is the velocity predicted for the pair alone
   int onset, synchronised, contact_lever;
+  int clip;      ///< the normal force never pulls
   int balanced;  ///< linear: the spring of a sliding contact takes the scaled force less the dashpot
 };
 

@@ -198,6 +198,28 @@ def radii5():
     return relaxed("radii5", state, ([0.0] * 3, [2 * side, 2 * side, 2 * side + 20]), 5000, ["damping.viscous=20"])
 
 
+def radii20():
+    """The settled bed tiled 3 x 3 with a layer of spheres of 20 smallest radii in it, one per 10^4 small grains; the small
+    ones that were in their place are left out."""
+    bed, box = tiled("settle32", 3, 3)
+    period = np.array(box[1][:2])
+    radius = 20 * bed[:, 3].min()
+    base = bed[:, 10] == 1
+    bottom = (bed[base, 2] + bed[base, 3]).max() if base.any() else bed[:, 2].min()
+    columns, rows = (int(round(p / (2 * radius))) for p in period)
+    pitch = period / [columns, rows]
+    coarse = np.zeros((columns * rows, 11))
+    for k in range(len(coarse)):
+        coarse[k, :2] = (np.array([k % columns, k // columns]) + 0.5) * pitch
+    coarse[:, 2], coarse[:, 3] = bottom + radius, min(radius, 0.5 * pitch.min())
+    keep = np.ones(len(bed), bool)
+    for c in coarse:
+        d = bed[:, :3] - c[:3]
+        d[:, :2] -= np.rint(d[:, :2] / period) * period
+        keep &= base | ((d * d).sum(1) > (c[3] + bed[:, 3]) ** 2)
+    return relaxed("radii20", np.concatenate([bed[keep], coarse]), box, 50000, ["damping.viscous=2"])
+
+
 def hopper(n=125000):
     """Slabs of the settled bed stacked in the silo, outlet open; 40000 steps later the seams have closed and the
     hopper discharges steadily."""
@@ -257,6 +279,7 @@ STATES = {
     "flow128": lambda: tiled("chute32", 2, 2),
     "gas128": gas,
     "radii5": radii5,
+    "radii20": radii20,
     "hopper125": hopper,
 }
 

@@ -76,6 +76,7 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   w.law_args.centred = scene.contact.dashpot != Dashpot::lagged ? 1 : 0;
   w.law_args.recall = recall ? 1 : 0;
   w.law_args.onset = scene.contact.onset_correction ? 1 : 0;
+  w.law_args.clip = scene.contact.clip_tension ? 1 : 0;
   w.law_args.balanced = scene.contact.sliding == Sliding::balanced ? 1 : 0;
   w.law_args.synchronised = scene.contact.synchronised ? 1 : 0;
   w.law_args.contact_lever = scene.contact.lever == Lever::contact ? 1 : 0;

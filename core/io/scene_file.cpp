@@ -152,6 +152,7 @@ void read_contact(const SceneTable& r, const std::vector<SceneTable>& pairs, con
   c.lever = r.choice<Lever>("lever");
   c.sliding = r.choice<Sliding>("sliding");
   c.onset_correction = r.boolean("onset_correction");
+  c.clip_tension = r.boolean("clip_tension");
   c.synchronised = r.boolean("synchronised");
 
   const std::size_t n = names.size();
@@ -181,6 +182,11 @@ void read_contact(const SceneTable& r, const std::vector<SceneTable>& pairs, con
   c.friction = false;
   for (const PairCoefficients& k : scene.pairs) c.friction = c.friction || k.friction > 0;
   check_add_ons(r, pairs, scene);
+  if (c.clip_tension && (c.model == ContactModel::jkr || c.cohesion != Cohesion::none))
+    r.fail("clip_tension", "contradicts adhesion and cohesion, which pull");
+  if (c.clip_tension && c.model == ContactModel::hertz_tsuji)
+    r.fail("clip_tension",
+           "Tsuji's polynomial holds for contacts that end with their overlap: use model = hertz_mindlin");
 
   if (c.model == ContactModel::linear) {
     r.require("normal_stiffness", "by contact.model = linear");

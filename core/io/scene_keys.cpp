@@ -103,6 +103,10 @@ constexpr SceneKey k_keys[] = {
      "\"lagged\""},
     {"contact", "onset_correction", T::boolean, "", 0, 0, false, "", "true", "",
      "weigh the dashpot by the touching fraction of the first and last step of a contact", "false"},
+    {"contact", "clip_tension", T::boolean, "", 0, 0, false, "", "false", "model=linear|hertz_mindlin",
+     "the normal force never pulls (the dashpot would, towards the end of a contact); damping from a restitution is "
+     "chosen so that clipped impacts have it",
+     "true"},
     {"contact", "synchronised", T::boolean, "", 0, 0, false, "", "true", "",
      "tangential history in the mid-step frame: no sticking at large size ratios", "false"},
     {"contact", "lever", T::choice, "", 0, 0, false, "contact|radius", "\"contact\"", "",

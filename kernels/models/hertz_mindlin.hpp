@@ -73,6 +73,7 @@ void hertz_force(Block& block, const LawArgs& args) {
     if (a.recall != 0) vd = dashpot_velocity<S>(vn, mid_normal, S::load(b.h_in[k_recall] + k), fn, ms, delta, a.dt);
     fn = fn - cn * vd;
     if (a.centred != 0) fn = fn / (one + hdt * (cn * ms));
+    if (!Adhesive && a.clip != 0) fn = S::select(S::gt(fn, zero), fn, zero);  // as in the linear law
     if (a.recall != 0) S::store(b.h[k_recall] + k, vn + dt * (fn * ms));
     B f[3] = {fn * n[0], fn * n[1], fn * n[2]};
     B mid = one;  // dashpot at n-1/2 over that at n
@@ -92,7 +93,12 @@ void hertz_force(Block& block, const LawArgs& args) {
         const B middle = delta + hdt * vn;
         mid = S::sqrt(S::sqrt(S::select(S::gt(middle, zero), middle, zero) / delta));
         S::store(b.e[0] + k, two_fifths * (sn * (delta * delta)));
-        S::store(b.e[1] + k, dt * ((cn * mid) * (vn * vn)));
+        B loss = dt * ((cn * mid) * (vn * vn));
+        if (a.clip != 0) {
+          const B last = delta + dt * vn, before = c.kn * (S::sqrt(reff * S::select(S::gt(last, zero), last, zero)));
+          loss = S::select(S::gt(fn, zero), loss, two_fifths * (before * (last * last) - sn * (delta * delta)));
+        }
+        S::store(b.e[1] + k, loss);
       }
       S::store(b.e[2] + k, zero);
     }

@@ -6,6 +6,7 @@
 //   both force components shrink by 1/(1 + gamma dt/2). Second order in an impact, but a contact that rests under load
 //   is too soft by gamma dt/2, because there other forces cancel F.
 // - centred: the same with the other forces, in normal direction, from the last step: dashpot_velocity().
+// clip: F_n = max(F_n, 0); what the spring still holds when the dashpot's pull outweighs it is lost.
 // Onset correction: the dashpot acts from the first instant of touch to the last, so its impulse in the step that holds
 // that instant is weighed with the touching time (1/2 + delta/(|v_n| dt)) instead of 1; without it restitution has an
 // error of order dt that depends on the phase. The tangential spring too starts at the instant of touch: in that step
@@ -207,13 +208,17 @@ double linear_force(Block& block, const LawArgs& args) {
     const B spring_force = c.kn * delta;
     B vd = vn;  // velocity that the dashpot sees
     if (a.recall != 0)
-      vd =
-          dashpot_velocity<S>(vn, mid, S::load(b.h_in[k_recall] + k), spring_force, S::load(b.r[k_mass] + k), delta, a.dt);
+      vd = dashpot_velocity<S>(vn, mid, S::load(b.h_in[k_recall] + k), spring_force, S::load(b.r[k_mass] + k), delta,
+                               a.dt);
     const B step = S::abs(vn) * dt;
     const auto brief = S::lt(delta, step);
     B slid = dt;      // how long the tangential spring has moved with the spheres
     B counted = one;  // 0: the last step has counted the dashpot to the end
     B fn = f.spring_n * delta - f.rate_n * (meff * vd);
+    // a contact that would pull exerts nothing until it parts
+    const auto clip = [&] {
+      if (a.clip != 0) fn = S::select(S::gt(fn, zero), fn, zero);
+    };
     const auto remember = [&](B prediction) {
       if (a.recall != 0) S::store(b.h[k_recall] + k, prediction);
     };
@@ -231,9 +236,11 @@ double linear_force(Block& block, const LawArgs& args) {
       const B gn = f.gn * weight;
       // the other lanes keep their bits: how many share a vector depends on the instruction set
       fn = S::select(brief, (spring_force - gn * (meff * vd)) * (one / (one + hdt * gn)), fn);
+      clip();
       const B next = vn + dt * (fn * S::load(b.r[k_mass] + k));
       remember(S::select(brief, S::select(leaves, zero, next), next));
     } else {
+      clip();
       remember(vn + dt * (fn * S::load(b.r[k_mass] + k)));
     }
     B force_i[3] = {fn * n[0], fn * n[1], fn * n[2]};
@@ -244,7 +251,12 @@ double linear_force(Block& block, const LawArgs& args) {
       if (S::any(brief))
         part = S::select(brief, S::select(S::lt(vn, zero), delta / step, one + delta / step), one) * counted;
       S::store(b.e[0] + k, half * (c.kn * (delta * delta)));
-      S::store(b.e[1] + k, (dt * part) * ((f.gn * meff) * (vn * vn)));
+      B loss = (dt * part) * ((f.gn * meff) * (vn * vn));
+      if (a.clip != 0) {  // the spring relaxes against nothing; one that parts before the next step, to the end
+        const B last = delta + dt * vn, left = S::select(brief, S::select(S::gt(vn, zero), zero, delta), delta);
+        loss = S::select(S::gt(fn, zero), loss, half * (c.kn * (last * last - left * left)));
+      }
+      S::store(b.e[1] + k, loss);
       S::store(b.e[2] + k, zero);
     }
     if constexpr (Friction) {

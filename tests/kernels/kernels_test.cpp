@@ -161,6 +161,7 @@ LawArgs law_args(ContactModel model, int variant) {
   a.balanced = model == ContactModel::linear && variant % 3 == 1 ? 1 : 0;
   a.synchronised = (variant / 4) % 2;
   a.contact_lever = (variant / 8) % 2;
+  a.clip = variant % 5 == 3 ? 1 : 0;
   return a;
 }
 
