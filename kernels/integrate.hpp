@@ -15,9 +15,10 @@ namespace talus::kernels {
 /// v(n+1/2) of one row with background damping; rare, so scalar. Cundall's local damping opposes the motion with a
 /// fraction of the resultant; viscous damping is linear in v.
 template <class S, bool Rotation>
-inline void damped_row(const IntegrateArgs& a, const double* v, const double* f, double* out) {
+inline void damped_row(const IntegrateArgs& a, const double* v, const double* f, double* out, double* loss) {
   constexpr int rows = Rotation ? 8 : 4;
   const double invm = v[rows - 1], live = invm > 0 ? 1.0 : 0.0;
+  double lost = 0;  // per mass
   for (int c = 0; c < rows; ++c) {
     if (!(c < 3 || (c >= 4 && c < 7))) {
       out[c] = v[c];
@@ -25,10 +26,13 @@ inline void damped_row(const IntegrateArgs& a, const double* v, const double* f,
     }
     double acc = (f[c] * invm) * (c < 3 ? 1.0 : 2.5) + (c < 3 ? a.gravity[c] * live : 0.0);
     const double size = acc < 0 ? -acc : acc;
-    if (a.local != 0 && v[c] != 0) acc = acc - (v[c] > 0 ? a.local : -a.local) * size;
-    acc = acc - (a.viscous * live) * v[c];
+    const double drag = a.local != 0 && v[c] != 0 ? (v[c] > 0 ? a.local : -a.local) * size : 0.0;
+    acc = acc - drag - (a.viscous * live) * v[c];
     out[c] = v[c] + a.kick * acc;
+    // the velocity at n, as the drag of v(n-1/2) there; 1/2 I w^2 = 1/5 m (r w)^2
+    lost = lost + (c < 3 ? 1.0 : 0.4) * (drag * (0.5 * (v[c] + out[c])));
   }
+  if (loss != nullptr && live != 0) *loss = a.dt * (lost / invm);
 }
 
 inline constexpr long k_rows_ahead = 24;
@@ -70,7 +74,7 @@ void integrate_rows(IntegrateArgs& args) {
     if (__builtin_expect(fr[3] * invm > a.unstable, 0)) unstable_row = static_cast<std::int32_t>(i);
     typename S::R4 vel;
     if constexpr (Damped) {
-      damped_row<S, Rotation>(a, vr, fr, a.v2 + rows * i);
+      damped_row<S, Rotation>(a, vr, fr, a.v2 + rows * i, a.loss != nullptr ? a.loss + 4 * i + 3 : nullptr);
       vel = S::load4(a.v2 + rows * i);
       if constexpr (!Rotation) vel = S::and4(vel, 7U);
     } else if constexpr (Rotation) {

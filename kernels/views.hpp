@@ -194,6 +194,7 @@ struct IntegrateArgs {
   alignas(32) double upper[4], wrap[4];  ///< domain size per axis (lane 3: 1e300) and period (0 where not periodic)
   alignas(32) double half[4];            ///< half period or 1e300
   double viscous, local;                 ///< background damping coefficients
+  double* loss;     ///< [4 rows] or null: column 3 takes what local damping has dissipated in the step [J]
   int stream;       ///< store new rows around the caches: they are not read again before they fall out
   double unstable;  ///< bound on (row sum of stiffness / mass)
   // results

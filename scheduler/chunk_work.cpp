@@ -523,6 +523,7 @@ void integrate_chunk(World& w, Chunk& c) {
   a.stream = static_cast<std::size_t>(w.n) * (w.stride + 4) * 2 * sizeof(double) > k_streamed_bytes ? 1 : 0;
   a.viscous = w.scene.viscous_damping;
   a.local = w.scene.local_damping;
+  a.loss = w.has.energies && a.local != 0 ? w.energy.data() : nullptr;
   a.unstable = w.unstable_limit;
   a.out = c.out.data();
   if (w.options.seeded_fault == 4 && w.step == 50 && c.index == 0)

@@ -283,7 +283,9 @@ void finish_step(World& w) {
       for (Row i = b; i < std::min<Row>(w.n, b + k_energy_block); ++i) {
         const double* e = w.energy.data() + 4L * i;
         for (int k = 1; k < 3; ++k) part[k] = part[k] + e[k];
-        part[4] = part[4] + e[3];
+        // a driven row's work, or what local damping takes from a free one
+        const bool free = w.scene.local_damping != 0 && w.v[static_cast<long>(w.stride) * i + w.stride - 1] > 0;
+        part[free ? 3 : 4] += e[3];
         if (pulled && w.is_alive(i)) {
           // v2 holds v(n-1/2) now: what gravity has done on the way from n-1 to n
           const double* u = w.v2.data() + static_cast<long>(w.stride) * i;

@@ -216,7 +216,8 @@ struct World {
   Column<std::uint8_t> material;  ///< only with several materials
   Column<std::uint8_t> fixed;     ///< only where something can be fixed
   Column<std::int16_t> group;     ///< only with groups
-  Column<double> energy;          ///< [4 n] only with energies: elastic, damping, friction, work of a driven row
+  Column<double> energy;          ///< [4 n] only with energies: elastic, damping, friction, work of a driven row or
+                                  ///< what local damping takes
   Column<float> drift;            ///< [4 n] only with list policy velocity_profile: {u, 0}, the profile's at x0 [m/s]
   Column<double> next_skin;       ///< only with list policy displacement_history [m]; -1: no past
   ParticleId next_id = 0;

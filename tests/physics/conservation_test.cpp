@@ -239,6 +239,23 @@ TEST(PhysicsConservation, EnergyBalanceCountsTheWorkOnDrivenGrainsAndWhatEventsC
   EXPECT_EQ(e.wall_work, 0.0);  // resting walls do no work
 }
 
+TEST(PhysicsConservation, EnergyBalanceCountsBackgroundDamping) {
+  for (const bool local : {false, true}) {
+    const auto damped = [local](Scene& s) { (local ? s.local_damping : s.viscous_damping) = local ? 0.3 : 5; };
+    double dissipated = 0, none = 0;
+    Energies e;
+    const double coarse = settle(false, 1, 4e-6, dissipated, damped, &e), fine = settle(false, 1, 2e-6, none, damped);
+    const std::string what = local ? "bed with local damping" : "bed with viscous damping";
+    figure(what + ": taken by it / by contacts", e.dissipated_background / dissipated);
+    figure(what + ", dt 4e-6: largest residual / dissipated by contacts", coarse);
+    figure(what + ", dt 2e-6: largest residual / dissipated by contacts", fine);
+    // without it the balance would be off by this much
+    EXPECT_GT(e.dissipated_background, 0.1 * dissipated);
+    EXPECT_LT(coarse, 4e-3);
+    EXPECT_LT(fine, 0.75 * coarse);
+  }
+}
+
 TEST(PhysicsConservation, EnergyBalanceClosesWithGravityAlongAPeriodicAxis) {
   // Grains that slide down a chute without end: gravity's work there is no height difference of anything.
   double dissipated = 0, none = 0;
