@@ -51,12 +51,13 @@ struct SkinRule {
   ListPolicy policy = ListPolicy::local;
   double k_dt = 0;  ///< K * dt [s]
   bool floor_on = true, acceleration_on = true, cap_on = true;
-  double floor = 0;      ///< of the particle's diameter
-  double cell_edge = 0;  ///< nominal cell edge L_C [m] of the cap
-  double cap = 0.5;      ///< largest skin of the policies with has_terms(), of the radius
-  double largest = 0;    ///< hard limit of R_NL [m]: L/4 on the shortest periodic axis
-  double uniform = 0;    ///< skin of the policies with one skin [m]
-  double reach = 0;      ///< R_C = r + reach r^(1/3): range of adhesion (core/adhesion.hpp)
+  double floor = 0;         ///< of the particle's diameter
+  double cell_edge = 0;     ///< nominal cell edge L_C [m] of the cap
+  double cap = 0.5;         ///< largest skin of the policies with has_terms(), of the radius
+  double largest = 0;       ///< hard limit of R_NL [m]: L/4 on the shortest periodic axis
+  double uniform = 0;       ///< skin of the policies with one skin [m]
+  double reach = 0;         ///< R_C = r + reach r^(1/3): range of adhesion (core/adhesion.hpp)
+  double drift_travel = 0;  ///< policies that drift: how far the drift may run past walls [m]
 
   SkinRule() = default;
   /// `r_min`, `r_max`: radii of the scene [m].
@@ -75,6 +76,7 @@ struct SkinRule {
     }
     uniform = s.list.uniform_skin * r_min;
     reach = adhesion_reach(s);
+    if (drifts()) drift_travel = 0.5 * r_min;
     largest = 1e300;
     for (int k = 0; k < 3; ++k)
       if (s.domain.periodic(k)) largest = fmin2(largest, 0.25 * (s.domain.upper[k] - s.domain.lower[k]));

@@ -92,14 +92,15 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   w.tuner.prepare(w);
   double reach = 0;
   for (const double r : {w.r_min, w.r_max})
-    reach = fmax2(reach, r + 2 * w.skin.range(r) + w.skin.to_walls(w.skin(r, 1e30, 0)));
+    reach = fmax2(reach, r + 2 * w.skin.range(r) + w.skin.to_walls(w.skin(r, 1e30, 0)) + w.skin.drift_travel);
   // Walls live in the frame of the stored positions: a scene keeps its bits wherever its domain lies (DESIGN 2).
   Scene local = w.scene;
   local.domain.lower = {};
   local.domain.upper = w.size;
   for (WallSpec& s : local.walls)
     for (Vec3* at : {&s.point, &s.lower, &s.upper, &s.shift, &s.motion.rotation_origin}) *at = *at - scene.domain.lower;
-  w.walls = WallSet(local, reach + 0.5 * w.r_min, (1 + k_usual_skin) * w.r_max + 2 * w.skin.range(w.r_max));
+  w.walls = WallSet(local, reach + 0.5 * w.r_min,
+                    (1 + k_usual_skin) * w.r_max + 2 * w.skin.range(w.r_max) + w.skin.drift_travel);
   h.walls = w.walls.size() > 0;
   h.moving_walls = h.walls && w.walls.any_moving();
 }
@@ -110,11 +111,11 @@ void choose_chunk(World& w) {
     return;
   }
   // Results do not depend on it (I8). One thread: 4096 rows. More: every thread gets the same whole number of equal
-  // chunks, of at most 3072 rows (4096 on two threads), but none below 1024: there pairs across borders, computed twice,
-  // cost more than idle threads (perf/schedule.py: 125k particles on 28 threads, predicted efficiency 81 % with 1524
-  // rows, 76 % with 762, 53 % with 4096, which leaves 4 of the 28 with two chunks). At least 3, and 6 where that leaves
-  // them 1300 rows, so that stealing can balance them: 128k grains on 16 threads ran 235, 221, 269 M particle-steps/s
-  // with 6 chunks per thread, 208, 194, 214 with 3; 8 or 12 on 8 threads brought nothing more.
+  // chunks, of at most 3072 rows (4096 on two threads), but none below 1024: there pairs across borders, computed
+  // twice, cost more than idle threads (perf/schedule.py: 125k particles on 28 threads, predicted efficiency 81 % with
+  // 1524 rows, 76 % with 762, 53 % with 4096, which leaves 4 of the 28 with two chunks). At least 3, and 6 where that
+  // leaves them 1300 rows, so that stealing can balance them: 128k grains on 16 threads ran 235, 221, 269 M
+  // particle-steps/s with 6 chunks per thread, 208, 194, 214 with 3; 8 or 12 on 8 threads brought nothing more.
   const std::int64_t threads = w.threads, most = threads <= 2 ? 4096 : 3072;
   if (threads == 1) {
     w.chunk_size = 4096;

@@ -35,9 +35,8 @@ namespace talus {
 
 namespace {
 
-constexpr double k_shrink = 0.9;       // of a skin that was not used up, per rebuild (Yade's number)
-constexpr double k_wall_travel = 0.5;  // mean_subtracted: most travel of the frame past walls, in least radii
-constexpr Row k_neighbours = 64;       // rows lie in Morton order: 64 of them fill a compact part of space
+constexpr double k_shrink = 0.9;  // of a skin that was not used up, per rebuild (Yade's number)
+constexpr Row k_neighbours = 64;  // rows lie in Morton order: 64 of them fill a compact part of space
 
 /// Squared length [m2] of the minimum image of d.
 double image2(const World& w, const Vec3& d) {
@@ -103,10 +102,7 @@ void prepare_profile(World& w) {
   w.frame.life = w.skin.k_dt;
   const double fastest = fit_velocity_profile(w, w.frame.life);
   w.frame.rounding = 6e-8 * fastest * w.frame.life;
-  // next to walls: no image farther than the nearest
-  if (!w.has.walls || !(fastest > 0)) return;
-  for (int k = 0; k < 3; ++k)
-    if (w.scene.domain.periodic(k)) w.frame.life = fmin2(w.frame.life, 0.25 * w.size[k] / fastest);
+  if (w.has.walls && fastest > 0) w.frame.life = fmin2(w.frame.life, w.skin.drift_travel / fastest);
 }
 
 }  // namespace
@@ -144,7 +140,7 @@ void prepare_skins(World& w) {
   if (!mean) return;
   const Vec3 u = (1.0 / fmax2(1, static_cast<double>(w.alive))) * all.sum;
   for (int k = 0; k < 3; ++k) w.frame.drift[k] = static_cast<float>(u[k]);
-  if (w.has.walls && norm(u) > 0) w.frame.life = k_wall_travel * w.r_min / norm(u);
+  if (w.has.walls && norm(u) > 0) w.frame.life = w.skin.drift_travel / norm(u);
 }
 
 double distance2(const World& w, const double* x, const double* y) {

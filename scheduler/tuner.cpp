@@ -152,7 +152,7 @@ SkinTuner::Use SkinTuner::used_skins(World& w) const {
   Use all;
   for (const Use& u : parts) all.add(u);
   if (w.skin.policy == ListPolicy::velocity_profile)
-    all.life2 = square(static_cast<double>(w.step - w.frame.built) * w.scene.dt / w.frame.life);
+    all.life2 = square(static_cast<double>(w.step - w.frame.built) * w.scene.dt / w.skin.k_dt);
   return all;
 }
 
