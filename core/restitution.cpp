@@ -37,8 +37,8 @@ double damping_coefficient(double e, DampedSpring spring, bool clipped) {
     return spring == DampedSpring::linear ? -2 * l / root : -std::sqrt(5.0) * l / root;
   }
   if (e >= 1) return 0;
-  double low = 0, high = 1;
-  while (high < 64 && clipped_restitution(high, spring) > e) high = 2 * high;
+  double low = 0, high = 1;  // beyond 1024 a restitution is below 2e-6, and the steps above are too long
+  while (high < 1024 && clipped_restitution(high, spring) > e) high = 2 * high;
   for (int k = 0; k < 30; ++k) {
     const double middle = 0.5 * (low + high);
     (clipped_restitution(middle, spring) > e ? low : high) = middle;

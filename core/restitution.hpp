@@ -12,7 +12,7 @@ enum class DampedSpring { linear, hertz };
 ///   hertz   x'' = -x^(3/2) - c x^(1/4) x'    c = alpha
 /// where contact lasts until x = 0: c / 2 = -ln e / sqrt(pi^2 + ln^2 e), times sqrt(5) (Antypov & Elliott 2011).
 /// `clipped`: the force never pulls, so it ends where x + c x' = 0 (Schwager & Poeschel 2007): found by bisection over
-/// impacts integrated numerically, e met within 1e-6.
+/// impacts integrated numerically, e met within 2e-6.
 double damping_coefficient(double e, DampedSpring spring, bool clipped);
 
 /// Restitution of the clipped impact with coefficient c.

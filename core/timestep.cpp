@@ -8,8 +8,8 @@
 
 #include "core/adhesion.hpp"
 #include "core/det_math.hpp"
-#include "core/restitution.hpp"
 #include "core/error.hpp"
+#include "core/restitution.hpp"
 
 namespace talus {
 namespace {
@@ -138,7 +138,8 @@ Limits limits_of(const Scene& scene, const Contact& c, double velocity) {
   if (scene.contact.model == ContactModel::linear) {
     const double stiffness = scene.contact.normal_stiffness;
     const double omega = std::sqrt(stiffness / m);
-    const double z = scene.contact.by_restitution ? 0.5 * coefficient(DampedSpring::linear) : 0.5 * scene.contact.normal_damping / omega;
+    const double z = scene.contact.by_restitution ? 0.5 * coefficient(DampedSpring::linear)
+                                                  : 0.5 * scene.contact.normal_damping / omega;
     // t_c = pi / sqrt(k/m - (g/2)^2); an overdamped contact never rebounds, its undamped time is the scale
     const double contact = pi / (omega * (z < 1 ? std::sqrt(1 - z * z) : 1));
     const double kt = scene.contact.friction ? scene.contact.tangential_stiffness / stiffness : 0;

@@ -144,7 +144,7 @@ struct WallSet::Impl {
   std::vector<Wall> walls;
   std::int64_t elements = 0;
   double dt = 0;
-  double came = 0;             ///< largest travelled() since mark() [m]
+  double largest_travel = 0;   ///< largest travelled() since mark() [m]
   std::array<Vec3, 8> domain;  ///< corners of the domain, widened by max_reach
   Vec3 lower, upper;           ///< the domain itself [m]
 
@@ -306,17 +306,17 @@ std::size_t WallSet::bytes() const noexcept {
 void WallSet::set_step(std::int64_t n, double dt) {
   if (!impl_) return;
   impl_->dt = dt;
-  impl_->came = 0;
+  impl_->largest_travel = 0;
   for (Wall& w : impl_->walls) {
     w.pose = pose_at(w.spec.motion, w.spec.appear, w.spec.vanish, n, dt);
-    impl_->came = fmax2(impl_->came, impl_->travelled(w));
+    impl_->largest_travel = fmax2(impl_->largest_travel, impl_->travelled(w));
   }
 }
 
-double WallSet::came() const noexcept { return impl_->came; }
+double WallSet::largest_travel() const noexcept { return impl_->largest_travel; }
 
 void WallSet::mark(double k, double dt, double floor, double cap) {
-  if (impl_) impl_->came = 0;
+  if (impl_) impl_->largest_travel = 0;
   for (int i = 0; i < size(); ++i) {
     Wall& w = impl_->walls[i];
     w.marked = w.pose;

@@ -82,7 +82,7 @@ class WallSet {
   /// Thread-safe (const).
   void candidates(Vec3 c, double reach, std::vector<std::int32_t>& out, std::vector<float>* distance = nullptr) const;
   /// How much nearer a wall can have come since mark() to a point at rest [m]: the largest of all walls.
-  double came() const noexcept;
+  double largest_travel() const noexcept;
 
   /// Exact closest points of the candidate elements at the present pose, kept where distance < radius, reduced
   /// (face > edge > vertex; a feature at or behind the tangent plane of a nearer contact belongs to the same surface),

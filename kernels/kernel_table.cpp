@@ -5,8 +5,8 @@
 #include <cstdlib>
 
 #include "core/det_math.hpp"
-#include "core/restitution.hpp"
 #include "core/error.hpp"
+#include "core/restitution.hpp"
 
 namespace talus {
 

@@ -53,6 +53,7 @@ void set_skins(World& w, const Chunk& c, const LevelLimits& limits, double slack
   // tests only: the check believes in more than the list was built for
   const double stored_scale = w.options.seeded_fault == 3 ? 3 : 1;
   const SkinRule rule = w.skin;
+  // (the fault of the tests: without the stretch)
   const double stretch = (w.options.seeded_fault == 3 ? 1 : w.frame.stretch) * 1.000002;
   SkinSpeeds speed(w, c);
   const long stride = w.stride;

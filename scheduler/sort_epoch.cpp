@@ -39,8 +39,10 @@ void sort_rows(World& w) {
   double *from = w.x0.data(), *to = from + 2 * rows;  // items: the bits of a key and a row
   const auto item = [](double* base, std::int64_t q) { return base + 2 * q; };
   const Blocks blocks = counting_blocks(w, w.n, 1 << k_digit);
-  // The key comes from a grid of the scene alone, never from the list's cells (I3).
-  const double inverse = 1.0 / (2.6 * w.r_max);
+  // The key comes from a grid of the scene alone, never from the list's cells (I3). Small grains rule it: within a cell
+  // of a grain of 20 radii rows stay disordered, and a rebuild, which searches groups of neighbouring rows, took 320
+  // instead of 134 ns per particle. Radii 1:5 uniform: no difference.
+  const double inverse = 1.0 / (2.6 * fmin2(w.r_max, 2 * w.r_min));
   std::vector<std::uint64_t> used(static_cast<std::size_t>(blocks.count), 0);
   parallel(w, blocks.count, [&](int b) {
     std::uint64_t all = 0;

@@ -148,7 +148,7 @@ TEST(WallCandidates, DistancesAreLowerBoundsThatHoldForMovedCentresAndWalls) {
     const auto n = static_cast<std::int64_t>(u(0, 0, 300));
     walls.set_step(n, dt);
     walls.mark(20, dt, 0, 1);
-    EXPECT_EQ(walls.came(), 0);
+    EXPECT_EQ(walls.largest_travel(), 0);
     const Vec3 c{u(1, -0.6, 0.6), u(2, -0.6, 0.6), u(3, -0.7, 0.7)};
     std::vector<std::int32_t> elements;
     std::vector<float> bounds;
@@ -166,9 +166,9 @@ TEST(WallCandidates, DistancesAreLowerBoundsThatHoldForMovedCentresAndWalls) {
       const double bound = bounds[e], now = contact[0].distance, way = norm(move);
       ASSERT_LE(bound, before[e]);
       tight += bound > before[e] * (1 - 1e-5) - 3e-7 ? 1 : 0;
-      ASSERT_LE(bound - way - walls.came(), now) << "sample " << k;
+      ASSERT_LE(bound - way - walls.largest_travel(), now) << "sample " << k;
       needs_walls += bound - way > now ? 1 : 0;
-      needs_centre += bound - walls.came() > now ? 1 : 0;
+      needs_centre += bound - walls.largest_travel() > now ? 1 : 0;
     }
   }
   EXPECT_GT(seen, 3000);

@@ -173,12 +173,7 @@ TEST_P(Lists, HoldWallElementsBeyondAPeriodicBorder) {
 
 std::string policy_name(const testing::TestParamInfo<ListPolicy>& info) { return policy_text(info.param).name; }
 
-INSTANTIATE_TEST_SUITE_P(Policies, Lists,
-                         testing::Values(ListPolicy::always, ListPolicy::paper, ListPolicy::local, ListPolicy::uniform,
-                                         ListPolicy::two_largest, ListPolicy::accumulated, ListPolicy::global_velocity,
-                                         ListPolicy::neighbourhood, ListPolicy::mean_subtracted,
-                                         ListPolicy::velocity_profile, ListPolicy::displacement_history),
-                         policy_name);
+INSTANTIATE_TEST_SUITE_P(Policies, Lists, testing::ValuesIn(exact_policies()), policy_name);
 
 }  // namespace
 }  // namespace talus::determinism

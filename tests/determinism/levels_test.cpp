@@ -88,18 +88,7 @@ Made make_scene(int index) {
                             "1\nfriction = 0.5\n[[source]]\nkind = \"file\"\nfile = \"" +
                             file + "\"\n",
                         "levels", ".");
-  static constexpr ListPolicy policies[] = {ListPolicy::always,
-                                            ListPolicy::paper,
-                                            ListPolicy::local,
-                                            ListPolicy::uniform,
-                                            ListPolicy::two_largest,
-                                            ListPolicy::accumulated,
-                                            ListPolicy::global_velocity,
-                                            ListPolicy::neighbourhood,
-                                            ListPolicy::mean_subtracted,
-                                            ListPolicy::velocity_profile,
-                                            ListPolicy::displacement_history};
-  m.scene.list.policy = policies[static_cast<std::size_t>(index) % std::size(policies)];
+  m.scene.list.policy = exact_policies()[static_cast<std::size_t>(index) % exact_policies().size()];
   m.scene.list.verlet_k = 1 + 20 * u.next();
   m.scene.list.automatic = false;
   m.scene.sort_every = 7 + index % 5;

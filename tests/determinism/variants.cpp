@@ -13,17 +13,6 @@
 namespace talus::determinism {
 namespace {
 
-const std::vector<ListPolicy> k_policies = {ListPolicy::always,
-                                            ListPolicy::paper,
-                                            ListPolicy::local,
-                                            ListPolicy::uniform,
-                                            ListPolicy::two_largest,
-                                            ListPolicy::accumulated,
-                                            ListPolicy::global_velocity,
-                                            ListPolicy::neighbourhood,
-                                            ListPolicy::mean_subtracted,
-                                            ListPolicy::velocity_profile,
-                                            ListPolicy::displacement_history};
 const std::vector<double> k_verlet = {0, 1, 10, 50, 200, 1000, 5000, k_auto};
 const std::vector<int> k_threads = {1, 2, 3, 8};
 const std::vector<int> k_chunks = {64, 257, 0};
@@ -48,6 +37,16 @@ void for_pairs(const Levels& row, F use) {
 
 }  // namespace
 
+const std::vector<ListPolicy>& exact_policies() {
+  static const std::vector<ListPolicy> all = [] {
+    std::vector<ListPolicy> found;
+    for (std::size_t k = 0; k < std::size(k_policies); ++k)
+      if (const auto policy = static_cast<ListPolicy>(k); policy != ListPolicy::fixed) found.push_back(policy);
+    return found;
+  }();
+  return all;
+}
+
 std::string Variant::text() const {
   char line[128];
   std::snprintf(line, sizeof line, "%s K=%g threads=%d chunk=%d isa=%s", policy_text(policy).name, k, threads, chunk,
@@ -71,13 +70,14 @@ RunOptions Variant::options() const {
 }
 
 Levels level_counts() {
-  return {static_cast<int>(k_policies.size()), static_cast<int>(k_verlet.size()), static_cast<int>(k_threads.size()),
-          static_cast<int>(k_chunks.size()), static_cast<int>(available_isas().size())};
+  return {static_cast<int>(exact_policies().size()), static_cast<int>(k_verlet.size()),
+          static_cast<int>(k_threads.size()), static_cast<int>(k_chunks.size()),
+          static_cast<int>(available_isas().size())};
 }
 
 Variant variant_of(const Levels& l) {
   const auto at = [&](int f) { return static_cast<std::size_t>(l[static_cast<std::size_t>(f)]); };
-  return {k_policies[at(0)], k_verlet[at(1)], k_threads[at(2)], k_chunks[at(3)], available_isas()[at(4)]};
+  return {exact_policies()[at(0)], k_verlet[at(1)], k_threads[at(2)], k_chunks[at(3)], available_isas()[at(4)]};
 }
 
 std::vector<Levels> full_product(const Levels& counts) {

@@ -1,5 +1,5 @@
 // Ways of running a scene that may not change it (issue figure 2), and covers of all pairs of their levels.
-// Who calls it: exact_trajectory_test, resume_test, controls_test.
+// Who calls it: exact_trajectory_test, exact_lists_test, levels_test, resume_test, controls_test.
 #pragma once
 
 #include <array>
@@ -27,6 +27,9 @@ struct Variant {
 
 inline constexpr int k_factors = 5;
 using Levels = std::array<int, k_factors>;  ///< index of the level per factor
+
+/// All list policies but `fixed`.
+const std::vector<ListPolicy>& exact_policies();
 
 /// Number of levels of each factor on this machine (instruction sets that it has).
 Levels level_counts();

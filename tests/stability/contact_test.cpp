@@ -218,18 +218,25 @@ TEST(Stability, S11_FastPairsAreFlaggedAndNotMissedAtATenthOfTheStep) {
           std::to_string(40 - seen_fine) + " at dt/10");
 }
 
+constexpr double k_head_on = 1e4;  // stiffness [N/m] of the linear law in head_on()
+
+/// Two equal grains, about to meet at `v` [m/s] each; Young's modulus `young` [Pa] for Hertz.
+Scene head_on(bool hertz, double e, double v, double dt, double young) {
+  Scene s = open_scene({-1, -1, -1}, {1, 1, 1}, dt);
+  s.materials[0].young = young;
+  s.materials[0].poisson = 0.3;
+  if (hertz)
+    hertz_law(s, e, 0);
+  else
+    linear_restitution(s, k_head_on, e);
+  add_grains(s, {{{-1.0001 * k_r, 0, 0}, {v, 0, 0}, k_r}, {{1.0001 * k_r, 0, 0}, {-v, 0, 0}, k_r}});
+  return s;
+}
+
 TEST(Stability, S12_RestitutionFromOneHundredthToOne) {
   const auto measured = [](bool hertz, double e) {
-    const double v = 0.5, k = 1e4, m = sphere_mass(2500, k_r);
-    const double dt = (hertz ? 0.4 : 1.0) * k_pi * std::sqrt(m / (2 * k)) / 2000;
-    Scene s = open_scene({-1, -1, -1}, {1, 1, 1}, dt);
-    s.materials[0].young = 1e8;
-    s.materials[0].poisson = 0.3;
-    if (hertz)
-      hertz_law(s, e, 0);
-    else
-      linear_restitution(s, k, e);
-    add_grains(s, {{{-1.0001 * k_r, 0, 0}, {v, 0, 0}, k_r}, {{1.0001 * k_r, 0, 0}, {-v, 0, 0}, k_r}});
+    const double v = 0.5, contact = k_pi * std::sqrt(sphere_mass(2500, k_r) / (2 * k_head_on));
+    const Scene s = head_on(hertz, e, v, (hertz ? 0.4 : 1.0) * contact / 2000, 1e8);
     Simulation sim(s, options());
     sim.run(40000);
     const Frame f = sim.frame();
@@ -294,17 +301,10 @@ TEST(Stability, S13_TensileTailOfTheDashpotCanBeClipped) {
     double restitution = 0, pull = 0, residual = 0;  // largest loss of speed in one step / v; energy / initial energy
   };
   const auto impact = [](bool hertz, double e, bool clip) {
-    const double k = 1e4, v = hertz ? 0.1 : 1, contact = k_pi * std::sqrt(0.5 * sphere_mass(2500, k_r) / k);
-    Scene s = open_scene({-1, -1, -1}, {1, 1, 1}, hertz ? 2e-6 : contact / 400.37);
-    s.materials[0].young = 1e7;
-    s.materials[0].poisson = 0.3;
-    if (hertz)
-      hertz_law(s, e, 0);
-    else
-      linear_restitution(s, k, e);
+    const double v = hertz ? 0.1 : 1, contact = k_pi * std::sqrt(sphere_mass(2500, k_r) / (2 * k_head_on));
+    Scene s = head_on(hertz, e, v, hertz ? 2e-6 : contact / 400.37, 1e7);
     s.contact.clip_tension = clip;
     s.output.energies = true;
-    add_grains(s, {{{-1.0001 * k_r, 0, 0}, {v, 0, 0}, k_r}, {{1.0001 * k_r, 0, 0}, {-v, 0, 0}, k_r}});
     Simulation sim(s, options());
     sim.run(1);
     const double start = total_energy(sim.energies());
@@ -342,6 +342,9 @@ TEST(Stability, S13_TensileTailOfTheDashpotCanBeClipped) {
   for (const double z : {0.05, 0.3, 0.6, 0.9})
     EXPECT_NEAR(clipped_restitution(2 * z, DampedSpring::linear),
                 std::exp(-2 * z * std::acos(z) / std::sqrt(1 - z * z)), 1e-6);
+  for (const DampedSpring spring : {DampedSpring::linear, DampedSpring::hertz})
+    for (const double e : {1e-9, 1e-6, 1e-3, 0.05, 0.6, 0.999, 1.0})
+      EXPECT_NEAR(clipped_restitution(damping_coefficient(e, spring, true), spring), e, 2e-6) << e;
   const std::string refused = refusal([] {
     parse_scene(
         "[domain]\nlower=[0,0,0]\nupper=[1,1,1]\n[time]\nstep=1e-5\nsteps=1\n[[material]]\nname=\"a\"\n"
