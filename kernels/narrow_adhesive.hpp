@@ -64,7 +64,10 @@ void carry(const CarryArgs& a) {
     double* to = a.to[c];
     for (std::int64_t g = 0; g < a.slots / 8; ++g) {
       const unsigned was = a.before[g], is = a.now[g];
-      carry_changed<S>(was, is, from, to);
+      if (was == is)  // nearly always; whole vectors, what is beyond the group is overwritten by the next
+        for (int k = 0; k < 8; k += S::W) S::store(to + k, S::load(from + k));
+      else
+        carry_changed<S>(was, is, from, to);
       from += __builtin_popcount(was);
       to += __builtin_popcount(is);
     }

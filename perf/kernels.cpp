@@ -65,6 +65,7 @@ int main(int argc, char** argv) {
   using namespace talus::perf;
   register_roofs(given);
   register_contacts();
+  register_laws();
   register_split_columns();
   register_rebuild();
   register_walls();

@@ -97,6 +97,7 @@ void add_core(const std::string& kernel, const Run& run);
 // One function per file that registers its rows.
 void register_roofs(const cpu_set_t& given);  ///< the cores that the program was given
 void register_contacts();
+void register_laws();
 void register_split_columns();
 void register_rebuild();
 void register_walls();

@@ -135,16 +135,23 @@ struct Meta {
 
 /// Contacts without the columns that the scene does not have: pairs of rows, then the columns of each contact.
 void write_contacts(const World& w, CheckpointWriter& out) {
-  const auto contacts = collect_contacts(w);
-  std::vector<Row> rows;
-  std::vector<double> history;
-  for (const ContactEntry& e : contacts) {
-    rows.push_back(e.a);
-    rows.push_back(e.b);
-    history.insert(history.end(), e.h, e.h + w.has.history_columns);
-  }
-  out.add_array("contacts", rows.data(), rows.size());
-  out.add_array("contact_history", history.data(), history.size());
+  std::size_t most = 0;
+  for (const auto& c : w.chunks) most += static_cast<std::size_t>(c->contact_end[2]);
+  std::vector<std::uint8_t> rows, history;
+  rows.reserve(most * 2 * sizeof(Row));
+  history.reserve(most * static_cast<std::size_t>(w.has.history_columns) * sizeof(double));
+  const auto append = [](std::vector<std::uint8_t>& to, const void* data, std::size_t bytes) {
+    const auto* from = static_cast<const std::uint8_t*>(data);
+    to.insert(to.end(), from, from + bytes);
+  };
+  for (const auto& c : w.chunks)
+    for (const ContactEntry& e : contacts_of(w, *c)) {
+      append(rows, &e.a, sizeof e.a);
+      append(rows, &e.b, sizeof e.b);
+      append(history, e.h, static_cast<std::size_t>(w.has.history_columns) * sizeof(double));
+    }
+  out.add("contacts", std::move(rows));
+  out.add("contact_history", std::move(history));
   const auto walls = collect_wall_states(w);
   std::vector<WallState> clean(walls.size());
   std::vector<double> moments;
@@ -381,12 +388,12 @@ void Simulation::save(CheckpointWriter& out) const {
   m.dt = w.scene.dt;
   out.add_value("meta", m);
   const auto n = static_cast<std::size_t>(w.n);
-  out.add_array("position", w.p.data(), 4 * n);
-  out.add_array("velocity", w.v.data(), static_cast<std::size_t>(w.stride) * n);
-  out.add_array("id", w.id.data(), n);
-  if (w.has.materials) out.add_array("material", w.material.data(), n);
-  if (w.has.fixed) out.add_array("fixed", w.fixed.data(), n);
-  if (w.has.groups) out.add_array("group", w.group.data(), n);
+  out.add_view("position", w.p.data(), 4 * n);
+  out.add_view("velocity", w.v.data(), static_cast<std::size_t>(w.stride) * n);
+  out.add_view("id", w.id.data(), n);
+  if (w.has.materials) out.add_view("material", w.material.data(), n);
+  if (w.has.fixed) out.add_view("fixed", w.fixed.data(), n);
+  if (w.has.groups) out.add_view("group", w.group.data(), n);
   write_contacts(w, out);
   out.add("insertion", w.insertion->save());
   // Not the K that a run has chosen: it follows measured times, and these bytes are the same however a run is done.

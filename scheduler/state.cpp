@@ -147,31 +147,21 @@ void remove_row(World& w, Row i) {
   for (int k = 0; k < w.stride; ++k) v[k] = 0;
 }
 
-std::vector<ContactEntry> list_contacts(const World& w) {
+std::vector<ContactEntry> contacts_of(const World& w, const Chunk& c) {
   std::vector<ContactEntry> out;
-  std::size_t most = 0;
-  for (const auto& c : w.chunks) most += static_cast<std::size_t>(c->contact_end[2]);
-  out.reserve(most);
-  for (const auto& cp : w.chunks) {
-    const Chunk& c = *cp;
-    std::int64_t n = 0;
-    for (std::int64_t s = 0; s < c.end[2]; ++s) {
-      if (((c.mask[static_cast<std::size_t>(s >> 3)] >> (s & 7)) & 1U) == 0) continue;
-      if (c.pi[static_cast<std::size_t>(s)] < c.pj[static_cast<std::size_t>(s)]) {
-        ContactEntry e;
-        e.a = c.pi[static_cast<std::size_t>(s)];
-        e.b = c.pj[static_cast<std::size_t>(s)];
-        for (int k = 0; k < w.has.history_columns; ++k) e.h[k] = c.h[k][static_cast<std::size_t>(n)];
-        out.push_back(e);
-      }
-      ++n;
+  std::int64_t n = 0;
+  for (std::int64_t s = 0; s < c.end[2]; ++s) {
+    if (((c.mask[static_cast<std::size_t>(s >> 3)] >> (s & 7)) & 1U) == 0) continue;
+    if (c.pi[static_cast<std::size_t>(s)] < c.pj[static_cast<std::size_t>(s)]) {
+      ContactEntry e;
+      e.a = c.pi[static_cast<std::size_t>(s)];
+      e.b = c.pj[static_cast<std::size_t>(s)];
+      for (int k = 0; k < w.has.history_columns; ++k) e.h[k] = c.h[k][static_cast<std::size_t>(n)];
+      out.push_back(e);
     }
+    ++n;
   }
-  return out;
-}
-
-std::vector<ContactEntry> collect_contacts(const World& w) {
-  std::vector<ContactEntry> out = list_contacts(w);
+  // in every chunk a is one of its own rows: chunk after chunk the pairs ascend, whatever the chunks
   std::sort(out.begin(), out.end(),
             [](const ContactEntry& l, const ContactEntry& r) { return std::tie(l.a, l.b) < std::tie(r.a, r.b); });
   return out;
@@ -205,8 +195,8 @@ std::uint64_t state_hash(const World& w) {
     sum += XXH3_64bits(&t, sizeof t);
   }
   if (w.has.history_columns > 0 || w.has.adhesion) {  // a neck beyond touch is state, with or without history
-    for (const ContactEntry& e : list_contacts(w)) {
-      if (!w.is_alive(e.a) || !w.is_alive(e.b)) continue;
+    const auto add_contact = [&](const ContactEntry& e) {
+      if (!w.is_alive(e.a) || !w.is_alive(e.b)) return;
       struct {
         ParticleId a, b;
         double h[k_max_history];
@@ -226,7 +216,9 @@ std::uint64_t state_hash(const World& w) {
         }
         sum += XXH3_64bits_withSeed(m, sizeof m, 4);
       }
-    }
+    };
+    for (const auto& c : w.chunks)
+      for (const ContactEntry& e : contacts_of(w, *c)) add_contact(e);
     for (const WallEntry& s : collect_wall_states(w)) {
       if (!w.is_alive(s.row)) continue;
       struct {

@@ -311,8 +311,8 @@ void append_particles(World& w, const NewParticles& a, bool at_start);
 void need_chunks(World& w, int count);                       ///< adds empty ones where there are fewer
 void make_chunks(World& w);                                  ///< cuts rows into chunks; keeps existing ones in place
 void remove_row(World& w, Row i);                            ///< marks a row dead (I2), counts it
-std::vector<ContactEntry> list_contacts(const World& w);     ///< chunk by chunk, each once
-std::vector<ContactEntry> collect_contacts(const World& w);  ///< ascending (a, b), whatever the chunks
+/// Contacts whose lower row is the chunk's, ascending (a, b): over all chunks each contact once, in ascending order.
+std::vector<ContactEntry> contacts_of(const World& w, const Chunk& c);
 std::vector<WallEntry> collect_wall_states(const World& w);
 std::uint64_t state_hash(const World& w);
 

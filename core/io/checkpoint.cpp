@@ -82,18 +82,24 @@ class Cursor {
 }  // namespace
 
 void CheckpointWriter::add(std::string name, std::vector<std::uint8_t> bytes) {
+  const std::span<const std::uint8_t> view(bytes);
+  add_section({std::move(name), std::move(bytes), view});
+}
+
+void CheckpointWriter::add_section(Section section) {
+  const std::string& name = section.name;
   if (name.empty() || name.size() > k_max_name)
     throw Error(ErrorCode::io, "section name must have 1 to 65535 bytes", "checkpoint");
   for (const auto& s : sections_)
-    if (s.first == name) throw Error(ErrorCode::io, "section '" + name + "' is added twice", "checkpoint");
-  sections_.emplace_back(std::move(name), std::move(bytes));
+    if (s.name == name) throw Error(ErrorCode::io, "section '" + name + "' is added twice", "checkpoint");
+  sections_.push_back(std::move(section));
 }
 
 void CheckpointWriter::commit(const std::string& path) const {
   HashedFile out(path);
   out.put(k_magic.data(), k_magic.size());
   out.value(static_cast<std::uint32_t>(sections_.size()));
-  for (const auto& [name, bytes] : sections_) {
+  for (const auto& [name, own, bytes] : sections_) {
     out.value(static_cast<std::uint16_t>(name.size()));
     out.put(name.data(), name.size());
     out.value(static_cast<std::uint64_t>(bytes.size()));

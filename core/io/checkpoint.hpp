@@ -19,6 +19,9 @@ namespace talus {
 
 class CheckpointWriter {
  public:
+  CheckpointWriter() = default;
+  CheckpointWriter(CheckpointWriter&&) = default;  // no copies: sections are views of their own bytes
+  CheckpointWriter& operator=(CheckpointWriter&&) = default;
   void add(std::string name, std::vector<std::uint8_t> bytes);
   template <class T>
   void add_array(std::string name, const T* data, std::size_t n) {
@@ -27,13 +30,25 @@ class CheckpointWriter {
     if (n != 0) std::memcpy(b.data(), data, b.size());
     add(std::move(name), std::move(b));
   }
+  /// The same without a copy: the data have to stay as they are until commit().
+  template <class T>
+  void add_view(std::string name, const T* data, std::size_t n) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    add_section({std::move(name), {}, {reinterpret_cast<const std::uint8_t*>(data), n * sizeof(T)}});
+  }
   template <class T>
   void add_value(std::string name, const T& v) { add_array(std::move(name), &v, 1); }
   /// Writes atomically and durably. Error{io} names the path, the system's reason and leaves the old file untouched.
   void commit(const std::string& path) const;
 
  private:
-  std::vector<std::pair<std::string, std::vector<std::uint8_t>>> sections_;
+  struct Section {
+    std::string name;
+    std::vector<std::uint8_t> own;        ///< empty where the bytes are the caller's
+    std::span<const std::uint8_t> bytes;  ///< of `own` (a moved vector keeps its place) or of the caller
+  };
+  void add_section(Section section);
+  std::vector<Section> sections_;
 };
 
 class CheckpointReader {
