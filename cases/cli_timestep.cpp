@@ -9,7 +9,7 @@ namespace talus::cli {
 
 TimeStepReport judge_time_step(const Scene& scene) {
   const Insertion sources(scene);
-  return time_step_limits(scene, sources.smallest_radius(), sources.largest_radius());
+  return time_step_limits(scene, sources.smallest_radius(), sources.largest_radius(), 0, sources.materials());
 }
 
 std::string time_step_text(const TimeStepReport& step) {

@@ -521,6 +521,15 @@ void Insertion::fill_stream(std::size_t s, Occupied& occupied, NewParticles& out
   }
 }
 
+std::vector<char> Insertion::materials() const {
+  std::vector<char> used(scene_.materials.size(), 0);
+  for (std::size_t s = 0; s < scene_.sources.size(); ++s) {
+    if (scene_.sources[s].kind != Source::Kind::file) used[static_cast<std::size_t>(scene_.sources[s].material)] = 1;
+    for (const std::uint8_t m : files_[s].material) used[m] = 1;
+  }
+  return used;
+}
+
 double Insertion::smallest_radius() const {
   double smallest = k_never;
   for (std::size_t s = 0; s < scene_.sources.size(); ++s) {

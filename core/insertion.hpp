@@ -48,6 +48,7 @@ class Insertion {
   std::vector<std::uint8_t> save() const;
   void load(std::span<const std::uint8_t> bytes);
   /// Smallest and largest radius that any source can ever deliver [m] (file sources are read) for dt and cell limits.
+  std::vector<char> materials() const;  ///< [materials] not 0 where a particle of it is or will be
   double smallest_radius() const;
   double largest_radius() const;
 

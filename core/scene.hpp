@@ -41,6 +41,7 @@ enum class ListPolicy : std::uint8_t {
   mean_subtracted,
   velocity_profile,
   displacement_history,
+  outer_inner,
   fixed
 };
 enum class Isa : std::uint8_t { automatic, scalar, sse2, avx2, avx512 };
@@ -197,6 +198,7 @@ struct ListSettings {
   bool floor_on = true, acceleration_on = true, cap_on = true;
   double floor = 0.02;        ///< of the particle diameter
   double uniform_skin = 1.0;  ///< of the smallest radius
+  double outer = 3;           ///< policy outer_inner: skins of the outer list / those of the inner one
   double cell_factor = 0;     ///< cell edge / minimum; 0 = chosen by policy
 };
 

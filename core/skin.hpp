@@ -33,6 +33,7 @@ inline constexpr PolicyText k_policies[] = {
      "longer reach"},
     {"displacement_history",
      "exact: skin from what each particle travelled under the last lists, checked at every step"},
+    {"outer_inner", "exact: as local, lists cut out of longer ones for as long as no displacement exceeds their skins"},
     {"fixed", "NOT exact: rebuilt every list.interval steps, nothing is checked in between"},
 };
 inline const PolicyText& policy_text(ListPolicy p) noexcept { return k_policies[static_cast<int>(p)]; }
@@ -57,6 +58,7 @@ struct SkinRule {
   double largest = 0;       ///< hard limit of R_NL [m]: L/4 on the shortest periodic axis
   double uniform = 0;       ///< skin of the policies with one skin [m]
   double reach = 0;         ///< R_C = r + reach r^(1/3): range of adhesion (core/adhesion.hpp)
+  double outer = 1;         ///< outer_inner: skins of the outer list / those of the inner one
   double drift_travel = 0;  ///< policies that drift: how far the drift may run past walls [m]
 
   SkinRule() = default;
@@ -76,6 +78,7 @@ struct SkinRule {
     }
     uniform = s.list.uniform_skin * r_min;
     reach = adhesion_reach(s);
+    if (cuts()) outer = s.list.outer;
     if (drifts()) drift_travel = 0.5 * r_min;
     largest = 1e300;
     for (int k = 0; k < 3; ++k)
@@ -93,7 +96,7 @@ struct SkinRule {
 
   /// The skin has a floor, a term of the acceleration and a cap in radii.
   bool has_terms() const noexcept {
-    return policy == ListPolicy::local || policy == ListPolicy::neighbourhood || drifts();
+    return policy == ListPolicy::local || policy == ListPolicy::neighbourhood || cuts() || drifts();
   }
   bool has_k() const noexcept {
     return policy == ListPolicy::paper || policy == ListPolicy::global_velocity || has_terms();
@@ -102,6 +105,8 @@ struct SkinRule {
   bool drifts() const noexcept {
     return policy == ListPolicy::mean_subtracted || policy == ListPolicy::velocity_profile;
   }
+  /// Lists are cut out of longer ones (scheduler/inner_list.cpp).
+  bool cuts() const noexcept { return policy == ListPolicy::outer_inner; }
   /// The list is judged by scheduler/skin_check.cpp instead of the check in the integration kernel.
   bool own_check() const noexcept {
     return policy == ListPolicy::two_largest || policy == ListPolicy::accumulated || policy == ListPolicy::fixed;
@@ -121,7 +126,7 @@ struct SkinRule {
   /// Skin [m] of a particle of radius r [m], speed v [m/s] (whose speed: skin_check.hpp), acceleration a [m/s2]. For
   /// displacement_history v is a length [m], see SkinSpeeds.
   /// paper, global_velocity: K v dt, capped at L_C/2 - R_C (the paper's printed cap L_C loses pairs); local,
-  /// neighbourhood, mean_subtracted, velocity_profile: with floor and 1/2 |a| (K dt)^2, also capped at r/2;
+  /// neighbourhood, mean_subtracted, velocity_profile, outer_inner: with floor and 1/2 |a| (K dt)^2, also capped at r/2;
   /// displacement_history: floor and the same caps; the others: one skin. With automatic K the cap is k_automatic_cap r
   /// alone: see there.
   double operator()(double r, double v, double a) const {
@@ -142,6 +147,7 @@ struct SkinRule {
       case ListPolicy::neighbourhood:
       case ListPolicy::mean_subtracted:
       case ListPolicy::velocity_profile:
+      case ListPolicy::outer_inner:
       case ListPolicy::displacement_history:
         s = policy == ListPolicy::displacement_history ? v : k_dt * v;
         if (acceleration_on) s += 0.5 * a * k_dt * k_dt;
@@ -155,6 +161,9 @@ struct SkinRule {
     s = fmin2(s, largest - rc);
     return s > 0 ? s : 0;
   }
+
+  /// Skin in the outer list of a particle of radius r whose skin in the inner one is s [m].
+  double outer_skin(double r, double s) const { return fmax2(s, fmin2(outer * s, most(r))); }
 
   /// How far a particle of this skin may move before the list expires, beside its drift, seen from a wall at rest [m]:
   /// two_largest lets one particle use up both skins.

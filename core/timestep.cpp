@@ -205,14 +205,16 @@ std::string judge_walls(const Scene& scene, double r_min) {
 
 }  // namespace
 
-TimeStepReport time_step_limits(const Scene& scene, double r_min, double r_max, double speed) {
+TimeStepReport time_step_limits(const Scene& scene, double r_min, double r_max, double speed,
+                                std::span<const char> materials) {
   TimeStepReport report;
   report.dt = scene.dt;
   if (!(scene.dt > 0) || !std::isfinite(scene.dt))
     throw Error(ErrorCode::scene, fmt::format("time.step: {}: must be a number > 0 [s]", scene.dt), scene.file);
   if (!(r_min > 0)) return report;  // no particle can ever appear
   if (scene.contact.model != ContactModel::linear) report.velocity = fmax2(speed, scene_speed(scene));
-  const Roles roles = roles_of(scene);
+  Roles roles = roles_of(scene);
+  if (!materials.empty()) roles.particle.assign(materials.begin(), materials.end());
   const std::size_t n = scene.materials.size();
   for (std::size_t a = 0; a < n; ++a) {
     if (!roles.particle[a]) continue;

@@ -3,6 +3,7 @@
 // and sizes that can meet, walls included; formulae are stated next to the code.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,8 +31,10 @@ struct TimeStepReport {
 };
 
 /// Limits for particles of radius [r_min, r_max] [m]. Error{scene} if dt exceeds the packing limit and the scene does
-/// not allow it. `speed` [m/s]: fastest particle of the initial files, where the caller knows it.
-TimeStepReport time_step_limits(const Scene& scene, double r_min, double r_max, double speed = 0);
+/// not allow it. `speed` [m/s]: fastest particle of the initial files, where the caller knows it. `materials`
+/// [materials]: not 0 where particles are of it (Insertion::materials()); empty: a file may hold any.
+TimeStepReport time_step_limits(const Scene& scene, double r_min, double r_max, double speed = 0,
+                                std::span<const char> materials = {});
 
 /// What the stiffness of the contacts does to the geometry, and how soft they could be for a largest overlap of 1 % of
 /// the radius. Estimates from the scene alone, for its largest particle on a wall:

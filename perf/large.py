@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Ten million grains on one core beside half a million: rate, ratio, bytes per particle, memory and time of start-up.
 
-  python3 perf/large.py                       # perf/scenes/settle10m.toml: about 8 GiB, a minute and a half
+  python3 perf/large.py                       # perf/scenes/settle10m.toml: about 5 GiB, a minute and a half
   python3 perf/large.py --tiles 8             # fewer tiles of 32k (8 x 8: 2 million)
 
 Exit 1 if the rate is below 0.7 of the rate at 512k, which is run before and after it.

@@ -48,40 +48,33 @@ struct LevelLimits {
 
 /// Skins of a chunk's rows: writes x0 and reach.
 void set_skins(World& w, const Chunk& c, const LevelLimits& limits, double slack, ChunkReach& out) {
-  const bool acceleration = w.skin.acceleration_on && w.velocity_at_old_step;
-  const double inverse_dt = 1.0 / w.scene.dt;
-  // tests only: the check believes in more than the list was built for
-  const double stored_scale = w.options.seeded_fault == 3 ? 3 : 1;
   const SkinRule rule = w.skin;
   // (the fault of the tests: without the stretch)
   const double stretch = (w.options.seeded_fault == 3 ? 1 : w.frame.stretch) * 1.000002;
-  SkinSpeeds speed(w, c);
-  const long stride = w.stride;
+  RowSkins skins(w, c);
   for (Row i = c.lo; i < c.hi; ++i) {
     const double* x = w.p.data() + 4L * i;
     if (!(x[0] < 1e100)) {
       if (!(x[0] >= 1e100)) out.bad = i;
       continue;
     }
-    const double* v = w.v.data() + stride * i;
-    const double speed2 = (v[0] * v[0] + v[1] * v[1]) + v[2] * v[2];
-    if (!(x[1] < 1e100) || !(x[2] < 1e100) || !(speed2 < 1e200)) out.bad = i;
-    double a = 0;
-    if (acceleration) {
-      const double* u = w.v2.data() + stride * i;
-      const double d[3] = {v[0] - u[0], v[1] - u[1], v[2] - u[2]};
-      a = __builtin_sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]) * inverse_dt;
+    const double skin = skins(i);
+    if (skin < 0) {
+      out.bad = i;
+      continue;
     }
-    const double skin = rule(x[3], speed(i, v, speed2), a);
     out.skins += skin / (2 * x[3]);
-    const double stored = stored_scale * skin;
-    double* ref = w.x0.data() + 4L * i;
-    ref[0] = x[0];
-    ref[1] = x[1];
-    ref[2] = x[2];
-    ref[3] = stored * stored;
+    set_reference(w, i, skin);
+    double listed = skin;
+    if (rule.cuts()) {
+      set_near(w, i, skin);
+      listed = rule.outer_skin(x[3], skin);
+      double* outer = w.outer.data() + 4L * i;
+      for (int k = 0; k < 3; ++k) outer[k] = x[k];
+      outer[3] = listed;
+    }
     // the check compares squares: the reach covers the rounding of the square root, and `slack` that of coordinates
-    const auto reach = static_cast<float>((x[3] + w.skin.range(x[3]) + skin) * stretch + slack);
+    const auto reach = static_cast<float>((x[3] + w.skin.range(x[3]) + listed) * stretch + slack);
     w.reach[static_cast<std::size_t>(i)] = reach;
     const int l = limits(reach);
     out.top[l] = fmax2(out.top[l], reach);

@@ -364,6 +364,7 @@ void wall_chunk(World& w, Chunk& c) {
   c.wall_moment_next.clear();
   const auto moment_columns = static_cast<std::size_t>(w.has.moment_columns);
   const double wall_travel = w.walls.largest_travel();
+  const double* listed_at = w.skin.cuts() ? w.outer.data() : w.x0.data();
   WallContact found[WallSet::k_max_contacts], before[WallSet::k_max_contacts];
   std::int32_t from[WallSet::k_max_contacts];
   std::size_t old = 0;
@@ -376,7 +377,7 @@ void wall_chunk(World& w, Chunk& c) {
     const std::size_t first = c.wall_begin[q], count = c.wall_begin[q + 1] - first;
     if (s.wall_near.size() < count) s.wall_near.resize(2 * count);
     // elements that the way of the row and of the walls since the rebuild cannot have brought within its radius: most
-    const double way = __builtin_sqrt(distance2(w, x, w.x0.data() + 4L * i)) + wall_travel;
+    const double way = __builtin_sqrt(distance2(w, x, listed_at + 4L * i)) + wall_travel;
     const auto limit = static_cast<float>((radius + way) * (1 + 1e-6));
     std::size_t near = 0;
     for (std::size_t k = first; k < first + count; ++k) {

@@ -305,12 +305,12 @@ std::int64_t audit_lists(const World& w) {
 std::size_t bytes_of(const World& w) {
   const auto size = [](const auto& c) { return c.capacity() * sizeof(c[0]); };
   std::size_t b = size(w.p) + size(w.p2) + size(w.v) + size(w.v2) + size(w.x0) + size(w.id) + size(w.material) +
-                  size(w.fixed) + size(w.group) + size(w.energy) + size(w.next_skin) + size(w.cell_of_row) +
+                  size(w.fixed) + size(w.group) + size(w.energy) + size(w.next_skin) + size(w.outer) + size(w.near) + size(w.cell_of_row) +
                   size(w.place_in_cell) + size(w.sx) + size(w.sy) + size(w.sz) + size(w.sr) + size(w.reach) +
                   size(w.sorted_row) + size(w.cell_start) + w.list_scratch.bytes() + w.scratch.bytes();
   if (w.has.walls) b += w.walls.bytes();
   for (const auto& c : w.chunks) {
-    b += size(c->pi) + size(c->pj) + size(c->mask) + size(c->wall_row) + size(c->wall_begin) + size(c->wall_element) +
+    b += size(c->outer_i) + size(c->outer_j) + size(c->pi) + size(c->pj) + size(c->mask) + size(c->wall_row) + size(c->wall_begin) + size(c->wall_element) +
          size(c->wall_distance) + size(c->wall_radius) + size(c->wall_state) + size(c->wall_next) +
          size(c->wall_force) + size(c->wall_point) + size(c->distributed) + size(c->wall_moment) +
          size(c->wall_moment_next) + size(c->wall_torque) + size(c->out);
@@ -356,13 +356,15 @@ Plan plan_of(const World& w) {
   array("group", h.groups, 2, h.groups ? "scene.groups" : "no groups");
   const bool profile = w.skin.policy == ListPolicy::velocity_profile;
   array("drift", profile, 16, profile ? "list.policy velocity_profile" : "displacements count from x0 itself");
+  const bool cuts = w.skin.cuts();
+  array("outer, near", cuts, 64, cuts ? "list.policy outer_inner" : "no outer list");
   const bool history_skins = w.skin.policy == ListPolicy::displacement_history;
   array("next skin", history_skins, 8, history_skins ? "list.policy displacement_history" : "the skins need no past");
   array("energy", h.energies, 32, h.energies ? "output.energies" : "output.energies is off");
   const double n = std::max<double>(1, w.alive);
   double lists = 0, history = 0, walls = 0;
   for (const auto& c : w.chunks) {
-    lists += 8.0 * static_cast<double>(c->end[2]) + static_cast<double>(c->end[2]) / 8;
+    lists += 8.0 * static_cast<double>(c->outer_end[2]) + 8.0 * static_cast<double>(c->end[2]) + static_cast<double>(c->end[2]) / 8;
     history += 8.0 * h.history_columns * static_cast<double>(c->contact_end[2]);
     walls += 4.0 * static_cast<double>(c->wall_row.size() * 2 + c->wall_element.size() * 2) +
              static_cast<double>(sizeof(WallState) * c->wall_state.size() + 8 * c->wall_moment.size());

@@ -15,8 +15,8 @@ namespace {
 /// bed: 4 reaches cost 30 % more, 10 cost 8 % more; radii 1:5 uniform: 244, 188, 158 ns per rebuild with 2, 4, 8.
 constexpr float k_group_extent = 6, k_group_ratio = 8;
 
-/// Searches the chunk's rows; the sections stay in the scratch's build columns, their sizes in c.pairs.
-void search_chunk(World& w, Chunk& c, ListScratch& t) {
+/// Searches the chunk's rows; the sections stay in the scratch's build columns.
+Sections search_chunk(World& w, const Chunk& c, ListScratch& t) {
   SearchArgs a{};
   a.x = w.sx.data();
   a.y = w.sy.data();
@@ -58,7 +58,13 @@ void search_chunk(World& w, Chunk& c, ListScratch& t) {
     t.hits.resize(2 * t.hits.size());
     for (auto& b : t.build) b.resize(b.size() + b.size() / 2 + t.hits.size());
   }
-  for (int s = 0; s < 3; ++s) c.pairs[s] = a.count[s];
+  Sections found{};
+  for (int s = 0; s < 3; ++s) {
+    found.i[s] = t.build[2 * s].data();
+    found.j[s] = t.build[2 * s + 1].data();
+    found.n[s] = a.count[s];
+  }
+  return found;
 }
 
 /// Touching pairs of the present list as ordered keys (i, j), each section closed by a last key.
@@ -78,17 +84,20 @@ void collect_keys(const Chunk& c, ListScratch& t) {
 
 /// Lays the three sections into the flat list and merges the old contacts into mask and history. A contact that opened
 /// in the last integration may be absent from the new list: its history is dropped (I5).
-void assemble_chunk(World& w, Chunk& c, ListScratch& t, const std::uint64_t* keys) {
+void assemble_chunk(World& w, Chunk& c, ListScratch& t, const Sections& list, const std::uint64_t* keys) {
   std::int64_t total = 0;
-  for (int s = 0; s < 3; ++s) total += (c.pairs[s] + 7) / 8 * 8;
+  for (int s = 0; s < 3; ++s) {
+    c.pairs[s] = list.n[s];
+    total += (list.n[s] + 7) / 8 * 8;
+  }
   grow_discarding(c.pi, static_cast<std::size_t>(total) + k_pad);
   grow_discarding(c.pj, static_cast<std::size_t>(total) + k_pad);
   grow_discarding(c.mask, static_cast<std::size_t>(total / 8) + k_pad);
   t.lost.clear();
   std::int64_t slot = 0, k = 0;  // k counts contacts, keys[k + s] is the present one
   for (int s = 0; s < 3; ++s) {
-    const std::int32_t *bi = t.build[2 * s].data(), *bj = t.build[2 * s + 1].data();
-    const std::int64_t n = c.pairs[s], padded = (n + 7) / 8 * 8;
+    const std::int32_t *bi = list.i[s], *bj = list.j[s];
+    const std::int64_t n = list.n[s], padded = (n + 7) / 8 * 8;
     std::memcpy(c.pi.data() + slot, bi, static_cast<std::size_t>(n) * sizeof(std::int32_t));
     std::memcpy(c.pj.data() + slot, bj, static_cast<std::size_t>(n) * sizeof(std::int32_t));
     for (std::int64_t q = n; q < padded; ++q)
@@ -137,8 +146,9 @@ void wall_candidates(World& w, Chunk& c) {
   for (Row i = c.lo; i < c.hi; ++i) {
     if (!w.is_alive(i) || (w.has.fixed && w.fixed[i] != 0)) continue;
     const std::size_t before = c.wall_element.size();
-    const double skin =
-        w.skin.to_walls(__builtin_sqrt(w.x0[4L * i + 3]) / (w.options.seeded_fault == 3 ? 3 : 1)) + drift_reach(w, i);
+    const double own = w.skin.cuts() ? w.outer[4L * i + 3]
+                                     : __builtin_sqrt(w.x0[4L * i + 3]) / (w.options.seeded_fault == 3 ? 3 : 1);
+    const double skin = w.skin.to_walls(own) + drift_reach(w, i);
     // Walls have no images: where the row wraps before the next rebuild it meets the elements at the other end.
     const Vec3 at{w.p[4L * i], w.p[4L * i + 1], w.p[4L * i + 2]};
     const double radius = w.p[4L * i + 3] + 2 * w.skin.range(w.p[4L * i + 3]), reach = radius + skin;
@@ -172,7 +182,7 @@ void wall_candidates(World& w, Chunk& c) {
 /// K of the walls' skins. Where K is chosen automatically they last half as long again as the lists are meant to: more
 /// than the tuner allows for an interval that something cut, so that a short one cannot make the next ones shorter.
 double wall_k(const World& w) {
-  return w.tuner.on() && w.tuner.wanted() > 0 ? 1.5 * w.tuner.wanted() : w.scene.list.verlet_k;
+  return w.skin.outer * (w.tuner.on() && w.tuner.wanted() > 0 ? 1.5 * w.tuner.wanted() : w.scene.list.verlet_k);
 }
 
 }  // namespace
@@ -210,6 +220,22 @@ void for_chunks(World& w, void (*fn)(World&, Chunk&)) {
   parallel(w, chunks, [&](int) { fn(w, *w.chunks[static_cast<std::size_t>(w.shares.take(thread_slot(w)))]); });
 }
 
+void replace_list(World& w, Chunk& c, ListScratch& t, const Sections& s) {
+  if (c.distributed.empty()) {
+    collect_keys(c, t);
+    assemble_chunk(w, c, t, s, t.keys.data());
+  } else {
+    assemble_chunk(w, c, t, s, c.distributed.data());
+    c.distributed.clear();
+  }
+}
+
+void count_pairs(World& w) {
+  w.counters.pairs = 0;
+  for (const auto& c : w.chunks) w.counters.pairs += 2 * c->pairs[1] + c->pairs[0] + c->pairs[2];
+  w.counters.pairs /= 2;
+}
+
 void rebuild_lists(World& w) {
   prepare_skins(w);
   fill_cells(w);
@@ -220,15 +246,10 @@ void rebuild_lists(World& w) {
     c.expired = 0;
     c.travel[0] = c.travel[1] = 0;
     ListScratch* t = world.list_scratch.take();
-    search_chunk(world, c, *t);
+    Sections list = search_chunk(world, c, *t);
     parts.lap(RebuildPart::search);
-    if (c.distributed.empty()) {
-      collect_keys(c, *t);
-      assemble_chunk(world, c, *t, t->keys.data());
-    } else {
-      assemble_chunk(world, c, *t, c.distributed.data());
-      c.distributed.clear();
-    }
+    if (world.skin.cuts()) list = cut_sections(world, c, *t, &list);
+    replace_list(world, c, *t, list);
     world.list_scratch.give(t);
     parts.lap(RebuildPart::history);
     if (world.has.walls) {
@@ -236,9 +257,7 @@ void rebuild_lists(World& w) {
       parts.lap(RebuildPart::walls);
     }
   });
-  w.counters.pairs = 0;
-  for (const auto& c : w.chunks) w.counters.pairs += 2 * c->pairs[1] + c->pairs[0] + c->pairs[2];
-  w.counters.pairs /= 2;
+  count_pairs(w);
   divide_chunks(w);
   ++w.counters.rebuilds;
 }

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "core/error.hpp"
+#include "core/timestep.hpp"
 #include "scheduler/parallel.hpp"
 #include "scheduler/world.hpp"
 
@@ -215,6 +216,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options) : impl_(st
   const NewParticles first = w.insertion->initial();
   configure(w, scene, options,
             std::any_of(first.fixed.begin(), first.fixed.end(), [](std::uint8_t f) { return f != 0; }));
+  time_step_limits(scene, w.r_min, w.r_max, 0, w.insertion->materials());  // refuses a step that cannot be stable
   append_particles(w, first, true);
   warn_of_extent(w);
   choose_chunk(w);
@@ -230,6 +232,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   w.r_max = w.insertion->largest_radius();
   const auto m = in.read_value<Meta>("meta");
   configure(w, scene, options, in.has("fixed"));
+  time_step_limits(scene, w.r_min, w.r_max, 0, w.insertion->materials());
   if (m.stride != w.stride || m.history != w.has.history_columns ||
       m.materials != static_cast<std::int64_t>(scene.materials.size()) || m.dt != scene.dt)
     throw Error(ErrorCode::io, "the checkpoint belongs to another scene (contact law, materials or time step differ)",
@@ -291,7 +294,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   if (w.has.walls) w.walls.set_step(w.step, w.scene.dt);
   with_threads(w, [&] {
     distribute_contacts(w, contacts, walls);
-    rebuild_tuned(w);
+    rebuild_tuned(w, false);
   });
   w.lists_valid = true;
   w.last_rebuild_step = w.step;

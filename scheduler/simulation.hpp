@@ -29,6 +29,7 @@ struct ListRecord {
 struct Counters {
   std::int64_t steps = 0;              ///< executed by this object
   std::int64_t rebuilds = 0;           ///< all list rebuilds
+  std::int64_t cuts = 0;               ///< policy outer_inner: inner lists cut out of outer ones, beside rebuilds
   std::int64_t rebuilds_skin = 0;      ///< by the displacement check
   std::int64_t rebuilds_forced = 0;    ///< by sort epochs, insertion, events, start
   std::int64_t shortest_interval = 0;  ///< steps between two skin rebuilds
@@ -102,9 +103,8 @@ struct FrameRequest {
 
 class Simulation {
  public:
-  /// Builds everything for step 0. Errors: Error{scene}, Error{physics}. It takes any time step: whether one can be
-  /// stable depends on speeds that the caller knows (time_step_limits() in core/timestep.hpp; the command line asks
-  /// it).
+  /// Builds everything for step 0. Errors: Error{scene}, also for a time step above the packing limit that the scene
+  /// does not allow (time_step_limits() in core/timestep.hpp); Error{physics}.
   Simulation(const Scene& scene, const RunOptions& options);
   /// Continues from a checkpoint of the same scene (any threads, ISA, chunk, policy, K).
   Simulation(const Scene& scene, const RunOptions& options, const CheckpointReader& checkpoint);

@@ -4,6 +4,7 @@
 // (SkinRule::own_check() false) pay for nothing here.
 #pragma once
 
+#include "core/skin.hpp"
 #include "core/types.hpp"
 
 namespace talus {
@@ -37,6 +38,24 @@ class SkinSpeeds {
   Row block_end_ = -1;
   double block_ = 0;
 };
+
+/// The skin of each row of a chunk for lists that are made now.
+class RowSkins {
+ public:
+  RowSkins(const World& w, const Chunk& c);
+  /// [m]; negative: the row is not finite.
+  double operator()(Row i);
+
+ private:
+  const World& w_;
+  SkinRule rule_;
+  SkinSpeeds speed_;
+  bool acceleration_;
+  double inverse_dt_;
+};
+
+/// Displacements of row i count from here, up to `skin` [m].
+void set_reference(World& w, Row i, double skin);
 
 /// displacement_history: what each row's skin should be, from what it has travelled since the last rebuild. Once per
 /// rebuild, while x0 and the rows are still those of the last one: before a sort epoch.

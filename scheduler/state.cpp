@@ -53,10 +53,13 @@ void set_particle_capacity(World& w, Row n) {
   if (w.has.energies) w.energy.resize(4 * rows);
   if (w.skin.policy == ListPolicy::velocity_profile) w.drift.resize(4 * rows);
   if (w.skin.policy == ListPolicy::displacement_history) w.next_skin.resize(rows);
+  if (w.skin.cuts()) w.outer.resize(4 * rows), w.near.resize(4 * rows);
   for (Row i = std::min(old, n); i < static_cast<Row>(rows); ++i) {  // new and padding rows: dead
     for (auto* p : {&w.p, &w.p2, &w.x0})
       for (int k = 0; k < 4; ++k) (*p)[4L * i + k] = k < 3 ? k_gone : 0.0;
     w.x0[4L * i + 3] = 1e300;
+    for (auto* p : {&w.outer, &w.near})
+      for (int k = 0; k < 4 && w.skin.cuts(); ++k) (*p)[4L * i + k] = k < 3 ? k_gone : 0.0;
     for (auto* v : {&w.v, &w.v2}) {
       for (int k = 0; k < w.stride; ++k) (*v)[static_cast<long>(w.stride) * i + k] = 0.0;
       (*v)[static_cast<long>(w.stride) * i + w.stride - 1] = 1.0;  // padding lanes divide by it

@@ -150,7 +150,7 @@ Decision check_step(World& w, std::int64_t target) {
   const bool event =
       w.next_event < w.scene.events.size() && det::nearest(w.scene.events[w.next_event].time / w.scene.dt) <= w.step;
   const bool epoch = w.step % w.scene.sort_every == 0;
-  d.structure = insertion || event || epoch;
+  d.structure = w.structure = insertion || event || epoch;
   w.sampled =
       w.step >= w.scene.relax.steps && (d.structure || w.step % k_sample_every == 0 || w.step == w.scene.relax.steps);
   d.rebuild = d.structure || !w.lists_valid || lists_expired(w);
@@ -251,9 +251,13 @@ void sort_step(World& w) {
 
 void rebuild_step(World& w, bool forced) {
   NodeTimer timer(w, w.serial, Node::rebuild);
-  rebuild_tuned(w);
+  const bool cut = rebuild_tuned(w, !forced);
   w.list_series.add(list_record(w));
   w.lists_valid = true;
+  if (cut) {
+    w.last_rebuild_step = w.step;
+    return;
+  }
   if (forced) {
     ++w.counters.rebuilds_forced;
   } else {

@@ -211,7 +211,7 @@ void SkinTuner::choose(World& w, const Use& use, double steps) {
     if (!has_floor_ || tried > k_most_floor) break;
   }
   // 2. How long lists should last.
-  const double rebuild = rebuild_.value(), pair = pair_.value();
+  const double rebuild = list_ticks(), pair = pair_.value();
   if (!(present > 0) || !(least > 0) || !(rebuild > 0) || !(pair > 0)) return;
   // a pair costs at its rebuild as much as in 3 steps: 8 ns
   const double share = least / present;
@@ -240,18 +240,31 @@ void SkinTuner::choose(World& w, const Use& use, double steps) {
   w.skin.floor = floor_;
 }
 
-void rebuild_tuned(World& w) {
+bool rebuild_tuned(World& w, bool may_cut) {
   const std::uint64_t begin = __rdtsc();
   w.tuner.interval_ends(w);
-  rebuild_lists(w);
-  w.tuner.list_built(w, static_cast<double>(__rdtsc() - begin) * w.threads);
+  const bool cut = may_cut && cut_lists(w);
+  if (!cut) rebuild_lists(w);
+  w.tuner.list_built(w, static_cast<double>(__rdtsc() - begin) * w.threads, cut);
+  return cut;
 }
 
-void SkinTuner::list_built(World& w, double rebuild_ticks) {
+/// What a new list costs, on an average over an outer one and the inner ones cut out of it.
+double SkinTuner::list_ticks() const noexcept {
+  return (rebuild_.value() + cuts_each_ * cut_list_.value()) / (1 + cuts_each_);
+}
+
+void SkinTuner::list_built(World& w, double rebuild_ticks, bool cut) {
   if (!on_) return;
+  if (cut) {
+    cuts_ += 1;
+  } else {
+    cuts_each_ = k_weight * (cuts_each_ + cuts_);
+    cuts_ = 0;
+  }
   sampled_ = rest_ == 0;
   if (!sampled_) return;
-  rebuild_.add(rebuild_ticks);
+  (cut ? cut_list_ : rebuild_).add(rebuild_ticks);
   begin_ = ticks(w);
   // pairs whose gap lies between 3/4 and 1 of their skins: what a change of skins adds or takes
   std::int64_t near = 0;

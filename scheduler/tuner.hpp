@@ -45,7 +45,8 @@ class SkinTuner {
   double wanted() const noexcept { return wanted_; }
   /// Learns from the interval that ends now and sets the skins of the next one. Before rows are permuted.
   void interval_ends(World& w);
-  void list_built(World& w, double ticks);  ///< `ticks`: of the rebuild, all threads
+  /// `ticks`: of the rebuild, all threads; `cut`: it was an inner list cut out of the outer one (outer_inner).
+  void list_built(World& w, double ticks, bool cut);
 
  private:
   struct Use;
@@ -56,6 +57,7 @@ class SkinTuner {
   Ticks ticks(const World& w) const;
   void sample_walls(const World& w);
   static double wall_contacts(const World& w);
+  double list_ticks() const noexcept;
   Use used_skins(World& w) const;
   void choose(World& w, const Use& use, double steps);
 
@@ -69,7 +71,8 @@ class SkinTuner {
   double slots_ = 0, contacts_ = 0, gain_ = 0;      ///< of the present list: slots, contacts, dP / d ln skin
   double wall_pairs_ = 0, wall_gain_ = 0;           ///< the same for walls
   Ticks begin_;                                     ///< when the present list was made
-  RecentMedian rebuild_, pair_, wall_pair_, step_;  ///< [ticks]
+  RecentMedian rebuild_, cut_list_, pair_, wall_pair_, step_;  ///< [ticks]
+  double cuts_ = 0, cuts_each_ = 0;  ///< cuts since the last rebuild; between two rebuilds, as an average
 };
 
 }  // namespace talus

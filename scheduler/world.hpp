@@ -110,6 +110,8 @@ struct Chunk {
   // contacts of the last step
   Column<double> h[k_max_columns];
   std::int64_t contact_end[3] = {0, 0, 0};
+  Column<std::int32_t> outer_i, outer_j;  ///< outer list, laid out as pi and pj; only with list policy outer_inner
+  std::int64_t outer_end[3] = {0, 0, 0};
   std::int32_t run_count = 0;  ///< between narrow phase and contact force: runs in scratch, 0 where none has moved
   /// Keys of the contacts that a sort epoch or a checkpoint has handed to this chunk, each section closed by a last
   /// key; empty where the present list holds them.
@@ -168,6 +170,7 @@ struct ListScratch {
   Column<std::int32_t> build[6];   ///< sections before they are laid end to end: own row, partner row
   Column<std::uint64_t> keys;      ///< touching pairs of the old list
   std::vector<std::int64_t> lost;  ///< contacts that the new list lacks
+  Column<std::uint8_t> mask;       ///< of outer slots; outer_inner only
 };
 
 class ListScratchPool {
@@ -219,6 +222,8 @@ struct World {
   Column<double> energy;          ///< [4 n] only with energies: elastic, damping, friction, work of a driven row or
                                   ///< what local damping takes
   Column<float> drift;            ///< [4 n] only with list policy velocity_profile: {u, 0}, the profile's at x0 [m/s]
+  Column<double> outer;           ///< [4 n] only with list policy outer_inner: {x, y, z at the outer list, its skin}
+  Column<double> near;            ///< [4 n] the same: {x, y, z, reach in the inner list}
   Column<double> next_skin;       ///< only with list policy displacement_history [m]; -1: no past
   ParticleId next_id = 0;
   bool velocity_at_old_step = false;  ///< v2 holds v(n-3/2) of the same rows (for |a| in the skin)
@@ -270,6 +275,7 @@ struct World {
   std::mutex error_mutex;
   int error_chunk = 0;
   std::exception_ptr error;  ///< the failure of the lowest chunk
+  bool structure = false;    ///< an epoch, an insertion or an event acts in the present step
   bool lists_valid = false;  ///< false: the next check must rebuild whatever the skins say
 
   double mass(Row i) const;                 ///< [kg] from material and radius
@@ -322,7 +328,24 @@ void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, co
 void sort_epoch(World& w);     ///< compacts and permutes rows into Morton order
 void fill_cells(World& w);     ///< skins and cell grid
 void rebuild_lists(World& w);  ///< fill_cells, lists, history
-void rebuild_tuned(World& w);  ///< the same between the two calls of the tuner
+/// The same between the two calls of the tuner; may_cut: or inner lists out of the outer ones, where these allow it.
+/// Returns whether it did the latter.
+bool rebuild_tuned(World& w, bool may_cut);
+/// Candidates of one chunk before they are laid into its list: sections lower, interior, higher.
+struct Sections {
+  const std::int32_t *i[3], *j[3];
+  std::int64_t n[3];
+};
+/// Lays the sections into the chunk's list and merges the contacts of its old one into mask and history.
+void replace_list(World& w, Chunk& c, ListScratch& t, const Sections& s);
+void count_pairs(World& w);
+
+// --- inner_list.cpp: list policy outer_inner ------------------------------------------------------------------------
+/// Row i of the inner list: at x, skin `skin` [m] (removed rows: at infinity, without reach).
+void set_near(World& w, Row i, double skin);
+/// Keeps the sections as the chunk's outer list, and returns those of the inner one; both live in the scratch.
+Sections cut_sections(World& w, Chunk& c, ListScratch& t, const Sections* fresh);
+bool cut_lists(World& w);  ///< false: the outer lists do not allow it, nothing but x0 and near is changed
 
 // --- chunk_work.cpp -----------------------------------------------------------------------------------------------
 void narrow_chunk(World& w, Chunk& c);

@@ -421,6 +421,7 @@ ListSettings read_list(const SceneTable& r) {
   l.acceleration_on = r.has("acceleration") ? r.boolean("acceleration") : !paper;
   l.cap_on = r.boolean("cap");
   l.uniform_skin = r.number("uniform_skin");
+  l.outer = r.number("outer");
   l.cell_factor = r.number("cell_factor");
   if (l.cell_factor != 0 && l.cell_factor < 1) r.fail("cell_factor", "must be 0 (chosen by the policy) or at least 1");
   return l;

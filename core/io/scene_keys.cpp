@@ -286,7 +286,7 @@ constexpr SceneKey k_keys[] = {
 
     {"list", "policy", T::choice, "", 0, 0, false,
      "always|paper|local|uniform|two_largest|accumulated|global_velocity|neighbourhood|mean_subtracted|"
-     "velocity_profile|displacement_history|fixed",
+     "velocity_profile|displacement_history|outer_inner|fixed",
      "\"local\"", "", "when and with which skins the list is rebuilt; all exact but fixed", "\"paper\""},
     {"list", "verlet_k", T::number_or_auto, "steps", 0, 1e9, false, "", "\"auto\"", "",
      "K in skin = K |v| step; \"auto\": K and floor follow the run, never its results", "200"},
@@ -299,6 +299,8 @@ constexpr SceneKey k_keys[] = {
     {"list", "cap", T::boolean, "", 0, 0, false, "", "true", "", "upper bound of the skin", "false"},
     {"list", "uniform_skin", T::number, "-", 0, 100, false, "", "1", "",
      "skin of the policies with one skin for all / smallest radius", "0.6"},
+    {"list", "outer", T::number, "-", 1, 100, false, "", "3", "",
+     "policy outer_inner: skins of the outer list / those of the inner one", "4"},
     {"list", "cell_factor", T::number, "-", 0, 100, false, "", "0", "",
      "cell edge / smallest admissible edge; 0: chosen by the policy", "1.25"},
 

@@ -101,6 +101,7 @@ std::string summary_json(const Summary& s) {
                          json_string(n.name), n.calls, Object::number(n.seconds));
   o.raw("nodes", nodes.empty() ? "[]" : "[" + nodes + "\n  ]");
   o.add("rebuilds", s.rebuilds);
+  if (s.cuts) o.add("cuts", *s.cuts);
   o.add("rebuilds_skin", s.rebuilds_skin);
   o.add("rebuilds_forced", s.rebuilds_forced);
   o.add("shortest_interval", s.shortest_interval);

@@ -28,6 +28,7 @@ struct Summary {
   double dt = 0, simulated_time = 0;  ///< [s]
   double wall_s = 0, particle_steps_per_s = 0;
   std::vector<Node> nodes;  ///< empty unless profiled
+  std::optional<std::int64_t> cuts;  ///< list policy outer_inner: inner lists cut out of outer ones, beside rebuilds
   std::int64_t rebuilds = 0, rebuilds_skin = 0, rebuilds_forced = 0, shortest_interval = 0;
   double mean_interval = 0;                 ///< steps per rebuild
   std::vector<std::int64_t> rebuild_steps;  ///< steps of the last rebuilds

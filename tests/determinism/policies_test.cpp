@@ -164,6 +164,26 @@ TEST(Policies, VelocityProfileHoldsWallContactsAndPeriodsThatItRunsThrough) {
   EXPECT_EQ(far.hash, outcome(Variant{ListPolicy::always, 0, 1, 128, Isa::automatic}.apply(fast), 2000).hash);
 }
 
+// Inner lists are cut out of the outer one instead of a search, with walls and inserted grains as without.
+TEST(Policies, OuterInnerSearchesLessOftenThanItMakesLists) {
+  for (const char* sides : {"wall", "open"}) {
+    const auto run = [&](const std::string& policy) {
+      Scene s = sheared_crowd(sides, "policy = \"" + policy + "\"\nouter = 4\n");
+      s.list.verlet_k = 20;
+      return outcome(s, 3000, true);
+    };
+    const Outcome local = run("local"), cut = run("outer_inner");
+    std::printf("%s: local %lld rebuilds, outer_inner %lld and %lld cuts\n", sides,
+                static_cast<long long>(local.counters.rebuilds), static_cast<long long>(cut.counters.rebuilds),
+                static_cast<long long>(cut.counters.cuts));
+    EXPECT_EQ(cut.counters.missed_contacts, 0) << sides;
+    EXPECT_EQ(cut.hash, local.hash) << sides;
+    EXPECT_EQ(local.counters.cuts, 0) << sides;
+    EXPECT_GT(cut.counters.cuts, cut.counters.rebuilds) << sides;
+    EXPECT_LT(2 * cut.counters.rebuilds, local.counters.rebuilds) << sides;
+  }
+}
+
 // Grains that shake to and fro are slow at every turn: a skin from the speed of the moment is short there, one from
 // what was travelled is not. A crystal of touching grains, each between its neighbours. The memory has to live through
 // sort epochs: with one every 30 steps a rule that forgets would be back at the speed of the moment in each list.
@@ -204,6 +224,8 @@ TEST(Policies, OnlyThoseThatNeedAnArrayHaveIt) {
   EXPECT_EQ(bytes("local", "drift"), 0);
   EXPECT_EQ(bytes("mean_subtracted", "drift"), 0);
   EXPECT_EQ(bytes("velocity_profile", "drift"), 16);
+  EXPECT_EQ(bytes("local", "outer, near"), 0);
+  EXPECT_EQ(bytes("outer_inner", "outer, near"), 64);
 }
 
 TEST(Policies, FixedIntervalMissesContactsAndTheAuditCountsThem) {
