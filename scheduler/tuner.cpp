@@ -297,7 +297,8 @@ void SkinTuner::sample_walls(const World& w) {
     pairs += static_cast<double>(c.wall_element.size());
     for (std::size_t k = static_cast<std::size_t>(c.index % k_wall_sample); k < c.wall_row.size(); k += k_wall_sample) {
       const double* x = w.p.data() + 4L * c.wall_row[k];
-      const double skin = w.skin.to_walls(__builtin_sqrt(w.x0[4L * c.wall_row[k] + 3]));
+      const double* ref = (w.skin.cuts() ? w.outer : w.x0).data() + 4L * c.wall_row[k];
+      const double skin = w.skin.to_walls(w.skin.cuts() ? ref[3] : __builtin_sqrt(ref[3]));
       const double drift = drift_reach(w, c.wall_row[k]);
       found.clear();
       w.walls.candidates({x[0], x[1], x[2]}, x[3] + 2 * w.skin.range(x[3]) + 0.75 * (skin + drift), found);
