@@ -3,6 +3,17 @@
 
 namespace talus {
 
+ListPolicy Scene::fitting_policy() const noexcept {
+  bool driven = false, open = false;
+  for (int k = 0; k < 3; ++k) {
+    driven = driven || (domain.periodic(k) && gravity[k] != 0);
+    open = open || !domain.periodic(k);
+    for (const Boundary side : domain.boundary[static_cast<std::size_t>(k)])
+      if (side == Boundary::wall) return ListPolicy::local;
+  }
+  return driven && open && walls.empty() ? ListPolicy::velocity_profile : ListPolicy::local;
+}
+
 double SizeDistribution::smallest() const noexcept {
   switch (kind) {
     case Kind::constant:

@@ -2,8 +2,6 @@
 // Invariants: columns are 64-byte aligned, large ones ask for huge pages (first touch decides NUMA placement).
 #pragma once
 
-#include <sys/mman.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -41,8 +39,8 @@ using ParticleId = std::int64_t;
 /// Storage row of a particle; changes only at sort epochs. int32 keeps pair lists compact (DESIGN 2).
 using Row = std::int32_t;
 
-/// Allocator with 64-byte alignment. Blocks above 4 MiB are 2 MiB aligned and advised to use huge pages, those from
-/// 16 KiB on are cut from such blocks (huge_pool.hpp).
+/// Allocator with 64-byte alignment. Arrays above 4 MiB are mappings of their own that ask for huge pages, those from
+/// 16 KiB on are cut from such mappings (huge_pool.hpp).
 template <class T>
 struct AlignedAllocator {
   using value_type = T;
@@ -50,29 +48,29 @@ struct AlignedAllocator {
   template <class U>
   AlignedAllocator(const AlignedAllocator<U>&) noexcept {}
 #ifdef __SANITIZE_ADDRESS__
-  static constexpr bool pooled(std::size_t) { return false; }  // every array its own: overruns are seen
+  static constexpr bool pooled(std::size_t) { return false; }  // every array of malloc's: overruns are seen
+  static constexpr bool mapped(std::size_t) { return false; }
 #else
   static constexpr bool pooled(std::size_t bytes) { return bytes >= k_pool_smallest && bytes <= k_pool_largest; }
+  static constexpr bool mapped(std::size_t bytes) { return bytes > k_pool_largest; }
 #endif
   T* allocate(std::size_t n) {
-    constexpr std::size_t huge = std::size_t{1} << 21;
-    std::size_t bytes = n * sizeof(T);
+    const std::size_t bytes = n * sizeof(T);
     void* p = nullptr;
-    if (pooled(bytes)) {
+    if (pooled(bytes))
       p = pool_allocate(bytes);
-      if (p == nullptr) throw std::bad_alloc();
-      return static_cast<T*>(p);
-    }
-    const std::size_t align = bytes > k_pool_largest ? huge : 64;
-    bytes = (bytes + align - 1) / align * align;
-    p = std::aligned_alloc(align, bytes == 0 ? align : bytes);
+    else if (mapped(bytes))
+      p = map_allocate(bytes);
+    else
+      p = std::aligned_alloc(64, bytes == 0 ? 64 : (bytes + 63) / 64 * 64);
     if (p == nullptr) throw std::bad_alloc();
-    if (align == huge) madvise(p, bytes, MADV_HUGEPAGE);
     return static_cast<T*>(p);
   }
   void deallocate(T* p, std::size_t n) noexcept {
     if (pooled(n * sizeof(T)))
       pool_free(p, n * sizeof(T));
+    else if (mapped(n * sizeof(T)))
+      map_free(p, n * sizeof(T));
     else
       std::free(p);
   }

@@ -191,10 +191,11 @@ void gather_block(GatherArgs& a) {
   int touched_deep = 0;
   for (int k = 0; k < a.n; k += S::W) {
     B d[4], r[rows];
-    if (k + S::W <= a.next_n)
-      for (int q = k; q < k + S::W; ++q) {
-        __builtin_prefetch(a.v + static_cast<long>(rows) * a.next_j[q]);
-      }
+    if (k + S::W <= a.next_n) {
+      for (int q = k; q < k + S::W; ++q) __builtin_prefetch(a.v + static_cast<long>(rows) * a.next_j[q]);
+      if (k % 8 == 0)
+        for (int q = 0; q < a.next_columns; ++q) __builtin_prefetch(a.next_h[q] + k, 1);
+    }
     S::pair_rows4(a.p, a.i + k, a.j + k, d);
     if constexpr (Periodic) minimum_image<S>(d, a.half, a.period);
     if constexpr (Rotation)

@@ -93,6 +93,8 @@ struct GatherArgs {
   double half[3], period[3];   ///< as in NarrowArgs
   const std::int32_t* next_j;  ///< partner rows of the next block, prefetched; next_n of them
   int next_n;
+  const double* next_h[k_max_history];  ///< history of the next block, prefetched; next_columns of them
+  int next_columns;
   double (*g)[k_block + k_pad];  ///< out: geometry, see Block::g
   double deep;                   ///< a contact with d < deep * (r_i + r_j) ...
   int deep_found;                ///< ... sets this

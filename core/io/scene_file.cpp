@@ -406,9 +406,9 @@ Event read_event(const SceneTable& r, const std::vector<std::string>& groups) {
   return e;
 }
 
-ListSettings read_list(const SceneTable& r) {
+ListSettings read_list(const SceneTable& r, const Scene& scene) {
   ListSettings l;
-  l.policy = r.choice<ListPolicy>("policy");
+  l.policy = r.has("policy") ? r.choice<ListPolicy>("policy") : scene.fitting_policy();
   const bool paper = l.policy == ListPolicy::paper;
   const std::optional<double> k = r.number_or_text("verlet_k");
   l.automatic = !k.has_value();
@@ -481,7 +481,7 @@ Scene parse_scene(std::string_view text, std::string name, std::string directory
   names.clear();
   for (const SceneTable& r : root.sections("wall")) scene.walls.push_back(read_wall(r, material_names, names));
   for (const SceneTable& r : root.sections("event")) scene.events.push_back(read_event(r, group_names));
-  scene.list = read_list(root.section("list"));
+  scene.list = read_list(root.section("list"), scene);
   scene.output = read_output(root.section("output"));
   const SceneTable checks = root.section("checks");
   scene.max_overlap = checks.number("max_overlap");

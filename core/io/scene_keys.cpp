@@ -287,7 +287,8 @@ constexpr SceneKey k_keys[] = {
     {"list", "policy", T::choice, "", 0, 0, false,
      "always|paper|local|uniform|two_largest|accumulated|global_velocity|neighbourhood|mean_subtracted|"
      "velocity_profile|displacement_history|outer_inner|fixed",
-     "\"local\"", "", "when and with which skins the list is rebuilt; all exact but fixed", "\"paper\""},
+     "(velocity_profile where gravity drives a flow without walls along a periodic axis, else local)", "",
+     "when and with which skins the list is rebuilt; all exact but fixed", "\"paper\""},
     {"list", "verlet_k", T::number_or_auto, "steps", 0, 1e9, false, "", "\"auto\"", "",
      "K in skin = K |v| step; \"auto\": K and floor follow the run, never its results", "200"},
     {"list", "interval", T::integer, "steps", 0, k_count, false, "", "0", "",

@@ -4,6 +4,7 @@ Who calls it: error_time.py. Invariants: a result is filed under a hash of the i
 a second call does only what is missing and another build starts afresh; observed runs (frames, energies, audit) are never
 timed, timed runs write nothing; every run uses one thread.
 """
+import concurrent.futures
 import csv
 import dataclasses
 import hashlib
@@ -48,13 +49,13 @@ class Outcome:
 
 
 class Engine:
-    def __init__(self, folder, binaries, wrap, rounds, audit_s):
+    def __init__(self, folder, binaries, wrap, rounds, audit_s, jobs):
         self.folder, self.binaries, self.wrap, self.rounds, self.audit_s = folder, binaries, wrap, rounds, audit_s
         self.identity = {c: digest_file(p) for c, p in binaries.items() if p}
         self.work = os.path.join(folder, "work")
         self.cache = os.path.join(folder, "cache")
         os.makedirs(self.cache, exist_ok=True)
-        self.ran = 0
+        self.jobs, self.ran = jobs, 0
 
     def prepare(self, code, p, observed, peer=None):
         """Input files of a run: (folder, command, key). The key names all that determines the result."""
@@ -85,11 +86,16 @@ class Engine:
             os.replace(folder + ".part", folder)
         return folder, command, key
 
-    def observe(self, code, p, peer=None, may_stop=False):
+    def at_once(self, work, items):
+        """[work(item)], several at a time: for runs that are not timed."""
+        with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
+            return list(pool.map(work, items))
+
+    def observe(self, code, p, peer=None, may_stop=False, audited=True):
         """Outcome of a run with frames, energies and the audit, from the cache if it is there."""
         folder, command, key = self.prepare(code, p, True, peer)
         audit = 0
-        if code == "talus" and self.audit_s > 0:
+        if code == "talus" and audited and self.audit_s > 0:
             audit = min(p.steps, max(20, int(self.audit_s / (3e-9 * len(p.grains) ** 2 + 1e-6))))
         path = os.path.join(self.cache, f"{key}-{audit}.npz")
         if not os.path.exists(path):

@@ -37,18 +37,18 @@ class BulkScene(Scene):
 
     def __init__(self, quick):
         super().__init__(quick)
-        self.seeds = tuple(range(1, self.steps_of(3, 5) + 1))
+        self.use_seeds(self.steps_of(3, 20))
         self.ratios = {}
 
+    def use_seeds(self, number):
+        self.seeds = tuple(range(1, number + 1))
+
     def prepare(self, engine):
-        self.states = {seed: engine.kept_state(self.name, (seed, self.law, self.quick), lambda seed=seed: self.start(engine, seed))
-                       for seed in self.seeds}
-        audit, engine.audit_s = engine.audit_s, 0.0
-        try:
-            reference = Setting("", "", self.reference_q)
-            self.truth = np.array([self.quantity(engine.observe("talus", self.build(reference, s))) for s in self.seeds])
-        finally:
-            engine.audit_s = audit
+        self.states = dict(zip(self.seeds, engine.at_once(
+            lambda seed: engine.kept_state(self.name, (seed, self.law, self.quick), lambda: self.start(engine, seed)), self.seeds)))
+        reference = Setting("", "", self.reference_q)
+        outcomes = engine.at_once(lambda seed: engine.observe("talus", self.build(reference, seed), audited=False), self.seeds)
+        self.truth = np.array([self.quantity(o) for o in outcomes])
         mean, half = mean_and_half(self.truth[:, 0])
         self.notes.append(f"Reference ({self.reference_q} steps per contact): {self.quantity_name} {mean:.4g} +/- {half:.2g} over "
                           f"{len(self.seeds)} seeds.")
@@ -94,12 +94,7 @@ class BulkScene(Scene):
         p = Problem(grains=grains, kind=kind, lower=box[0], upper=box[1], dt=self.tc / 20, steps=int(T / (self.tc / 20)),
                     law=self.law, density=UNIT_DENSITY, overlapping=True,
                     **{"periodic": "xy", "gravity": (0.0, 0.0, -1.0), "knobs": {"checks.allow_unstable_step": True}, **more})
-        audit, engine.audit_s = engine.audit_s, 0.0
-        try:
-            last = engine.observe("talus", p).last
-        finally:
-            engine.audit_s = audit
-        return p, last
+        return p, engine.observe("talus", p, audited=False).last
 
 
 def as_state(last, kind):

@@ -412,6 +412,21 @@ TEST(SceneFile, ContradictoryKeysAreRefused) {
   EXPECT_CONTAINS(refusal(text, {"domain.upper=[1, 0, 1]"}), "must be above 'lower'");
 }
 
+TEST(SceneFile, PolicyOfASceneThatNamesNoneFollowsWhatDrivesIt) {
+  const std::vector<std::string> chute = {"gravity=[0.4, 0, -0.9]", "domain.boundary=[\"periodic\", \"periodic\", \"open\"]"};
+  const auto policy = [&](const std::string& more, const std::string& set = "") {
+    std::vector<std::string> overrides = chute;
+    if (!set.empty()) overrides.push_back(set);
+    return parse(k_minimal + more, overrides).list.policy;
+  };
+  EXPECT_EQ(policy(""), ListPolicy::velocity_profile);
+  EXPECT_EQ(policy("[list]\npolicy = \"local\"\n"), ListPolicy::local);
+  EXPECT_EQ(policy("", "gravity=[0, 0, -1]"), ListPolicy::local);  // nothing drives a flow
+  EXPECT_EQ(policy("", "domain.boundary=\"periodic\""), ListPolicy::local);
+  EXPECT_EQ(policy("", "domain.boundary=[\"periodic\", \"periodic\", [\"wall\", \"open\"]]"), ListPolicy::local);
+  EXPECT_EQ(policy("[[wall]]\nshape = \"plane\"\n"), ListPolicy::local);
+}
+
 TEST(SceneFile, NamesThatDoNotExistAreRefusedWithNearest) {
   const std::string text = k_minimal;
   EXPECT_CONTAINS(refusal(text + "[[wall]]\nshape = \"plane\"\nmaterial = \"glas\"\n"),
