@@ -193,6 +193,7 @@ void gather_block(GatherArgs& a) {
     B d[4], r[rows];
     if (k + S::W <= a.next_n) {
       for (int q = k; q < k + S::W; ++q) __builtin_prefetch(a.v + static_cast<long>(rows) * a.next_j[q]);
+      for (int q = k; q < k + S::W; q += 4) __builtin_prefetch(a.v + static_cast<long>(rows) * a.next_i[q]);
       if (k % 8 == 0)
         for (int q = 0; q < a.next_columns; ++q) __builtin_prefetch(a.next_h[q] + k, 1);
     }

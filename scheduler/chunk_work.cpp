@@ -201,6 +201,7 @@ Block ContactBlocks::gather(std::int64_t k0, BlockBuffers& buffers) {
   g.x = buffers.x;
   g.r = buffers.r;
   g.g = buffers.g;
+  g.next_i = g.i + k_block;
   g.next_j = g.j + k_block;
   g.next_n = static_cast<int>(std::clamp<std::int64_t>(left - k_block, 0, b.n));
   g.next_columns = w_.has.law_columns;
