@@ -10,14 +10,24 @@ namespace talus::kernels {
 
 /// Minimum image by compare and select (DESIGN I4: no rounding functions), on the periodic axes only. A difference
 /// within half a period keeps its bits, so the result is that of a scene without the period.
-template <class S>
-TALUS_INLINE void minimum_image(typename S::B* d, const double* half, const double* period) {
-  for (int c = 0; c < 3; ++c) {
-    if (period[c] == 0) continue;
-    const auto far = S::gt(S::abs(d[c]), S::set(half[c]));
-    d[c] = d[c] - S::select(far, S::copysign(S::set(period[c]), d[c]), S::set(0.0));
+template <class S, bool Periodic = true>
+struct MinimumImage {
+  typename S::B half[3], period[3];
+  bool wraps[3];
+  TALUS_INLINE MinimumImage(const double* h, const double* p) {
+    if constexpr (Periodic)
+      for (int c = 0; c < 3; ++c) {
+        half[c] = S::set(h[c]);
+        period[c] = S::set(p[c]);
+        wraps[c] = p[c] != 0;
+      }
   }
-}
+  TALUS_INLINE void apply(typename S::B* d) const {
+    if constexpr (Periodic)
+      for (int c = 0; c < 3; ++c)
+        if (wraps[c]) d[c] = S::subtract_where(S::gt(S::abs(d[c]), half[c]), d[c], S::copysign(period[c], d[c]));
+  }
+};
 
 /// History of eight slots whose touching set changed: kept entries move, new contacts start at zero.
 template <class S>
@@ -88,6 +98,7 @@ template <class S, bool History, bool Periodic>
 TALUS_INLINE std::int32_t* narrow_section(const NarrowArgs& a, RunList& history, std::int64_t s,
                                           std::int64_t end, std::int32_t* ci, std::int32_t* cj) {
   using B = typename S::B;
+  const MinimumImage<S, Periodic> image(a.half, a.period);
   for (; s < end; s += 8) {
     unsigned bits = 0;
     // Partners come in no order a hardware prefetcher knows, and lists are walked in pieces that it loses at page ends.
@@ -98,7 +109,7 @@ TALUS_INLINE std::int32_t* narrow_section(const NarrowArgs& a, RunList& history,
     for (int k = 0; k < 8; k += S::W) {
       B d[4];
       S::pair_rows4(a.p, a.pi + s + k, a.pj + s + k, d);
-      if constexpr (Periodic) minimum_image<S>(d, a.half, a.period);
+      image.apply(d);
       const B d2 = (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
       const auto m = S::lt(d2, d[3] * d[3]);
       S::compress_index(ci, a.pi + s + k, m);
@@ -189,16 +200,18 @@ void gather_block(GatherArgs& a) {
   constexpr int rows = Rotation ? 8 : 4;
   const B deep = S::set(a.deep);
   int touched_deep = 0;
+  const MinimumImage<S, Periodic> image(a.half, a.period);
   for (int k = 0; k < a.n; k += S::W) {
     B d[4], r[rows];
     if (k + S::W <= a.next_n) {
       for (int q = k; q < k + S::W; ++q) __builtin_prefetch(a.v + static_cast<long>(rows) * a.next_j[q]);
-      for (int q = k; q < k + S::W; q += 4) __builtin_prefetch(a.v + static_cast<long>(rows) * a.next_i[q]);
+      if (a.next_i != nullptr)
+        for (int q = k; q < k + S::W; q += 4) __builtin_prefetch(a.v + static_cast<long>(rows) * a.next_i[q]);
       if (k % 8 == 0)
         for (int q = 0; q < a.next_columns; ++q) __builtin_prefetch(a.next_h[q] + k, 1);
     }
     S::pair_rows4(a.p, a.i + k, a.j + k, d);
-    if constexpr (Periodic) minimum_image<S>(d, a.half, a.period);
+    image.apply(d);
     if constexpr (Rotation)
       S::pair_rows8(a.v, a.i + k, a.j + k, r);
     else

@@ -30,6 +30,7 @@ template <class S>
 void narrow_adhesive(NarrowArgs& args, const AdhesiveArgs& adhesive) {
   using B = typename S::B;
   const NarrowArgs a = args;
+  const MinimumImage<S> image(a.half, a.period);
   std::int64_t contacts = 0, s = 0;
   for (int section = 0; section < 3; ++section) {
     for (; s < a.end[section]; s += 8) {
@@ -37,7 +38,7 @@ void narrow_adhesive(NarrowArgs& args, const AdhesiveArgs& adhesive) {
       for (int k = 0; k < 8; k += S::W) {
         B d[4];
         S::pair_rows4(a.p, a.pi + s + k, a.pj + s + k, d);
-        if (a.periodic != 0) minimum_image<S>(d, a.half, a.period);
+        image.apply(d);
         const B d2 = (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2], w2 = d[3] * d[3];
         bits |= S::bits(S::lt(d2, w2)) << k;
       }

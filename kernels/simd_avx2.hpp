@@ -51,6 +51,7 @@ struct Avx2 {
   TALUS_INLINE static bool any(M m) { return _mm256_movemask_pd(m) != 0; }
   TALUS_INLINE static unsigned bits(M m) { return static_cast<unsigned>(_mm256_movemask_pd(m)); }
   TALUS_INLINE static B select(M m, B a, B b) { return _mm256_blendv_pd(b, a, m); }
+  TALUS_INLINE static B subtract_where(M m, B a, B b) { return _mm256_sub_pd(a, _mm256_and_pd(m, b)); }
   TALUS_INLINE static void transpose(__m256d& a, __m256d& b, __m256d& c, __m256d& d) {
     const __m256d t0 = _mm256_unpacklo_pd(a, b), t1 = _mm256_unpackhi_pd(a, b);
     const __m256d t2 = _mm256_unpacklo_pd(c, d), t3 = _mm256_unpackhi_pd(c, d);

@@ -26,6 +26,7 @@ struct Avx512 {
   TALUS_INLINE static bool any(M m) { return m != 0; }
   TALUS_INLINE static unsigned bits(M m) { return m; }
   TALUS_INLINE static B select(M m, B a, B b) { return _mm512_mask_blend_pd(m, b, a); }
+  TALUS_INLINE static B subtract_where(M m, B a, B b) { return _mm512_mask_sub_pd(a, m, a, b); }
   TALUS_INLINE static void pair_rows4(const double* p, const std::int32_t* a, const std::int32_t* b, B* o) {
     const __m512d s = _mm512_castsi512_pd(_mm512_set_epi64(INT64_MIN, 0, 0, 0, INT64_MIN, 0, 0, 0));
     __m512d r[4];  // r[k] holds the rows of pairs k and k + 4

@@ -32,6 +32,7 @@ struct Scalar {
   TALUS_INLINE static bool any(M m) { return m; }
   TALUS_INLINE static unsigned bits(M m) { return m ? 1U : 0U; }
   TALUS_INLINE static B select(M m, B a, B b) { return m ? a : b; }
+  TALUS_INLINE static B subtract_where(M m, B a, B b) { return m ? a - b : a; }
   /// Differences (x, y, z) and sum (r) of position rows a - b, one lane per pair.
   TALUS_INLINE static void pair_rows4(const double* p, const std::int32_t* a, const std::int32_t* b, B* o) {
     const double *ra = p + 4L * a[0], *rb = p + 4L * b[0];

@@ -26,6 +26,7 @@ struct Sse2 {
   TALUS_INLINE static bool any(M m) { return _mm_movemask_pd(m) != 0; }
   TALUS_INLINE static unsigned bits(M m) { return static_cast<unsigned>(_mm_movemask_pd(m)); }
   TALUS_INLINE static B select(M m, B a, B b) { return _mm_or_pd(_mm_and_pd(m, a), _mm_andnot_pd(m, b)); }
+  TALUS_INLINE static B subtract_where(M m, B a, B b) { return _mm_sub_pd(a, _mm_and_pd(m, b)); }
   TALUS_INLINE static void two(__m128d r0, __m128d r1, B* o) {
     o[0] = _mm_unpacklo_pd(r0, r1);
     o[1] = _mm_unpackhi_pd(r0, r1);

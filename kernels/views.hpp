@@ -91,7 +91,7 @@ struct GatherArgs {
   double (*r)[k_block + k_pad];  ///< out: relative velocity rows, see Block::r
   int periodic;
   double half[3], period[3];   ///< as in NarrowArgs
-  const std::int32_t *next_i, *next_j;  ///< rows of the next block, prefetched; next_n of them
+  const std::int32_t *next_i, *next_j;  ///< rows of the next block, prefetched; next_n of them; next_i may be null
   int next_n;
   const double* next_h[k_max_history];  ///< history of the next block, prefetched; next_columns of them
   int next_columns;

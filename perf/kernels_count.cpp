@@ -44,6 +44,10 @@ struct CountingOver : Base {
   static B abs(B a) { return B(__builtin_fabs(a.v)); }
   static B copysign(B size, B sign) { return B(__builtin_copysign(size.v, sign.v)); }
   static B select(bool m, B a, B b) { return m ? a : b; }
+  static B subtract_where(bool m, B a, B b) {
+    const B d = a - b;
+    return m ? d : a;
+  }
   template <class... A>
   static void pair_rows4(A... a) {
     g_done.flops += 4;

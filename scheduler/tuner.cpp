@@ -21,8 +21,9 @@ constexpr double k_most_change = 2;  // of K or floor in one rebuild
 // per particle, a rebuild 110 (chute of 32k grains).
 constexpr int k_rest = 3;
 // Share of the run time that rebuilds should not exceed, and how much longer than cheapest lists may last for it: the
-// optimum is flat, 1.25 costs (1.25 + 1 / 1.25) / 2 - 1 = 2.5 % of the lists' own cost.
-constexpr double k_share = 0.047, k_longer = 1.25;
+// optimum is flat, 1.25 costs (1.25 + 1 / 1.25) / 2 - 1 = 2.5 % of the lists' own cost, 2 costs 25 %. With a velocity
+// profile, where that cost is some 6 % of a step, K = 200 was as fast as what the model takes for the optimum, 100 to 140.
+constexpr double k_share = 0.047, k_longer = 1.25, k_longer_profile = 2;
 constexpr std::int64_t k_sample = 16;  // every k_sample-th group of 8 slots is looked at
 constexpr int k_wall_sample = 16;      // and every k_wall_sample-th row near a wall
 
@@ -220,7 +221,8 @@ void SkinTuner::choose(World& w, const Use& use, double steps) {
   double ideal = __builtin_sqrt(rebuild * steps / slope);
   // the share that rebuilds should keep to, where that is near
   const double longer = step_.value() > 0 ? rebuild * (1 - k_share) / (k_share * step_.value()) : 0;
-  if (longer > ideal && longer < k_longer * ideal) ideal = longer;
+  const double most = w.skin.policy == ListPolicy::velocity_profile ? k_longer_profile : k_longer;
+  if (longer > ideal) ideal = longer < most * ideal ? longer : (most > k_longer ? most * ideal : ideal);
   ideal = fmin2(ideal, 1.2 * spacing_);
   if (use.cap_ratio2 > 0) ideal = fmin2(ideal, 1.05 * steps / __builtin_sqrt(use.cap_ratio2));
   ideal = fmax2(ideal, 1);
