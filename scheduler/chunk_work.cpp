@@ -208,7 +208,7 @@ Block ContactBlocks::gather(std::int64_t k0, BlockBuffers& buffers) {
   g.next_j = g.j + k_block;
   g.next_n = static_cast<int>(std::clamp<std::int64_t>(left - k_block, 0, b.n));
   g.next_columns = far ? w_.has.law_columns : 0;
-  // where runs have moved entries, by less than a block
+  // old entries are near there even where runs have moved them: only the prefetch depends on it
   for (int q = 0; q < g.next_columns; ++q) g.next_h[q] = c_.h[q].data() + k0 + k_block;
   g.reff = w_.has.reff ? buffers.reff : nullptr;
   g.pair = w_.has.materials ? buffers.pair : nullptr;

@@ -221,8 +221,10 @@ void SkinTuner::choose(World& w, const Use& use, double steps) {
   double ideal = __builtin_sqrt(rebuild * steps / slope);
   // the share that rebuilds should keep to, where that is near
   const double longer = step_.value() > 0 ? rebuild * (1 - k_share) / (k_share * step_.value()) : 0;
-  const double most = w.skin.policy == ListPolicy::velocity_profile ? k_longer_profile : k_longer;
-  if (longer > ideal) ideal = longer < most * ideal ? longer : (most > k_longer ? most * ideal : ideal);
+  if (w.skin.policy == ListPolicy::velocity_profile)
+    ideal = fmax2(ideal, fmin2(longer, k_longer_profile * ideal));
+  else if (longer > ideal && longer < k_longer * ideal)
+    ideal = longer;
   ideal = fmin2(ideal, 1.2 * spacing_);
   if (use.cap_ratio2 > 0) ideal = fmin2(ideal, 1.05 * steps / __builtin_sqrt(use.cap_ratio2));
   ideal = fmax2(ideal, 1);
