@@ -3,7 +3,8 @@
 // than the processor holds, which costs 5 to 10 % of a step. Mappings are our own: what malloc hands out may have been
 // touched before, and then its pages stay small whatever madvise says.
 // Called by AlignedAllocator; thread safe. Freed pieces are kept for the next array of the same size class, freed
-// mappings, up to 64 MiB in all, for the next one of the same size.
+// mappings, up to 64 MiB in all, for the next one of the same size (its pages stay on the node that touched them
+// first).
 #pragma once
 
 #include <cstddef>

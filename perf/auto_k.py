@@ -3,7 +3,7 @@
 
   python3 perf/auto_k.py                                  # the five small cases, chute32 and flow128
   python3 perf/auto_k.py --scenes hopper,grates           # some of them
-  python3 perf/auto_k.py --scenes hopper@2000,hopper@30000,hopper@60000   # fill, rest, discharge: states by step
+  python3 perf/auto_k.py --scenes hopper@2000,hopper@20000,hopper@30000,hopper@60000   # fill, rest, gate opens, discharge
   python3 perf/auto_k.py --scenes my/scene.toml@5000      # any scene
   python3 perf/auto_k.py --prepare                        # only make the states
 

@@ -54,9 +54,7 @@ inline GatherArgs gather_args(const World& w, const Chunk& c, std::int64_t k0, B
   g.r = buffers.r;
   g.g = buffers.g;
   for (double& half : g.half) half = 1e300;
-  g.next_i = g.i + k_block;
-  g.next_j = g.j + k_block;
-  g.next_n = static_cast<int>(std::clamp<std::int64_t>(c.contact_end[2] - k0 - k_block, 0, g.n));
+  prefetch_next(w, c, k0, g);
   return g;
 }
 

@@ -191,6 +191,16 @@ void ContactBlocks::keep_history() {
   c_.run_count = 0;
 }
 
+void prefetch_next(const World& w, const Chunk& c, std::int64_t k0, GatherArgs& g) {
+  const bool far = static_cast<std::size_t>(w.n) * (w.stride + 4) * sizeof(double) > k_near_bytes;
+  g.next_i = far ? g.i + k_block : nullptr;
+  g.next_j = g.j + k_block;
+  g.next_n = static_cast<int>(std::clamp<std::int64_t>(c.contact_end[2] - k0 - k_block, 0, g.n));
+  g.next_columns = far ? w.has.law_columns : 0;
+  // old entries are near there even where runs have moved them: only the prefetch depends on it
+  for (int q = 0; q < g.next_columns; ++q) g.next_h[q] = c.h[q].data() + k0 + k_block;
+}
+
 Block ContactBlocks::gather(std::int64_t k0, BlockBuffers& buffers) {
   const Scratch& s = *c_.scratch;
   const std::int64_t left = c_.contact_end[2] - k0;
@@ -203,13 +213,7 @@ Block ContactBlocks::gather(std::int64_t k0, BlockBuffers& buffers) {
   g.x = buffers.x;
   g.r = buffers.r;
   g.g = buffers.g;
-  const bool far = static_cast<std::size_t>(w_.n) * (w_.stride + 4) * sizeof(double) > k_near_bytes;
-  g.next_i = far ? g.i + k_block : nullptr;
-  g.next_j = g.j + k_block;
-  g.next_n = static_cast<int>(std::clamp<std::int64_t>(left - k_block, 0, b.n));
-  g.next_columns = far ? w_.has.law_columns : 0;
-  // old entries are near there even where runs have moved them: only the prefetch depends on it
-  for (int q = 0; q < g.next_columns; ++q) g.next_h[q] = c_.h[q].data() + k0 + k_block;
+  prefetch_next(w_, c_, k0, g);
   g.reff = w_.has.reff ? buffers.reff : nullptr;
   g.pair = w_.has.materials ? buffers.pair : nullptr;
   g.deep_found = 0;

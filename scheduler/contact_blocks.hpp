@@ -7,6 +7,9 @@
 
 namespace talus {
 
+/// Sets what the gather pass prefetches: rows and history of the block behind the one from contact k0 on.
+void prefetch_next(const World& w, const Chunk& c, std::int64_t k0, GatherArgs& g);
+
 class ContactBlocks {
  public:
   /// After narrow_chunk. Where contacts have moved, the laws write into the scratch's columns.

@@ -33,7 +33,9 @@ def mean_and_half(values):
 class BulkScene(Scene):
     kind = "bulk"
     reference_q = 100
-    limits = ("Intervals: 95 %, from the scatter between seeds pooled over all settings.",)
+    limits = ("Intervals: 95 %, from the scatter between seeds pooled over all settings.",
+              "Lists and instruction sets: run and compared bit by bit for the first seed, then shown with the figures of the setting "
+              "whose bits they have.")
 
     def __init__(self, quick):
         super().__init__(quick)

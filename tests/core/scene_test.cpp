@@ -413,7 +413,8 @@ TEST(SceneFile, ContradictoryKeysAreRefused) {
 }
 
 TEST(SceneFile, PolicyOfASceneThatNamesNoneFollowsWhatDrivesIt) {
-  const std::vector<std::string> chute = {"gravity=[0.4, 0, -0.9]", "domain.boundary=[\"periodic\", \"periodic\", \"open\"]"};
+  const std::vector<std::string> chute = {"gravity=[0.4, 0, -0.9]",
+                                          "domain.boundary=[\"periodic\", \"periodic\", \"open\"]"};
   const auto policy = [&](const std::string& more, const std::string& set = "") {
     std::vector<std::string> overrides = chute;
     if (!set.empty()) overrides.push_back(set);

@@ -257,9 +257,9 @@ TEST(Law, SwappingThePartnersNegatesTheForceExactly) {
 }
 
 /// Force rows of all grains and the history of a batch, by the law and a plain scatter, or by a trial whose scatter
-/// applies the Coulomb limit. The contacts in [from, to) act on both partners. Three contacts add to each own row, three or
-/// more to each partner row (two would commute), as in a list; `late`: the contacts of the second half are added first, by
-/// law and scatter.
+/// applies the Coulomb limit. The contacts in [from, to) act on both partners. Three contacts add to each own row,
+/// three or more to each partner row (two would commute), as in a list; `late`: the contacts of the second half are
+/// added first, by law and scatter.
 struct Summed {
   Column<double> f, h[k_max_history];
 };
@@ -289,7 +289,8 @@ Summed sum_forces(const KernelTable& k, Batch& b, int n, int from, int to, const
       alignas(64) double r[8][k_block + k_pad] = {};
       const int half = n / 2;
       for (int q = 0; q < 8; ++q) std::copy(ready->r[q] + half, ready->r[q] + n, r[q]);
-      k.scatter[1](ScatterArgs{sum.f.data(), own.data() + half, partner.data() + half, n - half, from - half, to - half, r});
+      k.scatter[1](
+          ScatterArgs{sum.f.data(), own.data() + half, partner.data() + half, n - half, from - half, to - half, r});
       k.scatter[1](ScatterArgs{sum.f.data(), own.data(), partner.data(), half, from, to, ready->r});
     } else {
       k.scatter[1](rows);
@@ -319,7 +320,8 @@ TEST(Law, TrialWithLimitedScatterGivesTheBitsOfLawAndScatter) {
         const Summed law = sum_forces(k, b, n, from, to, a, false), trial = sum_forces(k, b, n, from, to, a, true);
         ASSERT_TRUE(same_bits(law.f, trial.f)) << isa_name(isa) << " variant " << variant << " n " << n;
         if (n == 128) {
-          ASSERT_FALSE(same_bits(law.f, sum_forces(k, b, n, from, to, a, false, true).f)) << "blind to the order of sums";
+          ASSERT_FALSE(same_bits(law.f, sum_forces(k, b, n, from, to, a, false, true).f))
+              << "blind to the order of sums";
         }
         for (int q = 0; q < law_info(ContactModel::linear).history + a.recall; ++q)
           ASSERT_TRUE(same_bits(law.h[q], trial.h[q])) << isa_name(isa) << " history " << q << " variant " << variant;
