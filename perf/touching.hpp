@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "perf/bed.hpp"
+#include "scheduler/contact_blocks.hpp"
 
 namespace talus::perf {
 
