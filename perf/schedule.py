@@ -148,8 +148,7 @@ def step_median(args, k):
 
 def costs_of(args, rec):
     c = model.Costs(steal=args.steal * 1e-6, attempt=args.attempt * 1e-6, wake=args.wake * 1e-6)
-    c.hop, c.join = rec.hop, rec.join_gap
-    c.spawn = rec.first_gap / rec.chunks
+    c.hop, c.turn, c.join = rec.hop, rec.turn, rec.join_gap
     return c
 
 
@@ -324,8 +323,8 @@ def main():
             kinds = ", ".join(f"{k} {1e9 * rec.kind_seconds(k) / n:.1f}" for k in rec.kinds)
             parts = ", ".join(f"{k} {1e9 * model.length(v) / n:.0f} (serial {1e9 * sum(x for kind, x in v if kind == 'serial') / n:.0f})"
                               for k, v in (("rebuild", rec.rebuild), ("sort_epoch", rec.sort_epoch)) if v)
-            print(f"  chunk {chunk:>5}: {kinds}; per event: {parts}; check {1e6 * rec.check:.1f} us, fan-out "
-                  f"{1e6 * rec.first_gap / rec.chunks:.2f} us per chunk, hop {1e6 * rec.hop:.2f} us, join {1e6 * rec.join_gap:.1f} us")
+            print(f"  chunk {chunk:>5}: {kinds}; per event: {parts}; check {1e6 * rec.check:.1f} us, start "
+                  f"{1e6 * rec.first_gap:.2f} us, hop {1e6 * rec.hop:.2f} us, turn {1e6 * rec.turn:.2f} us, join {1e6 * rec.join_gap:.1f} us")
     some = next(iter(next(iter(recordings.values())).values()))
     bytes_per_particle = args.bytes or some.facts["bytes"] / some.facts["particles"]
     memory = model.Memory(bytes_per_particle, args.bandwidth * 1e9, args.l2 * 1e6, args.l3 * 1e6, args.socket)

@@ -2,16 +2,16 @@
 
 Who calls it: schedule.py. No I/O except reading the trace; the same seed gives the same numbers.
 
-The model. A step is: displacement_check (serial), a fan-out to the chunks, per chunk narrow_phase -> contact_force ->
-(wall_contact) -> integrate, a join. A rebuild is the sequence of serial parts and parallel loops that the trace shows. Durations
+The model. A step is: displacement_check (serial), a fan-out to the lanes (one per core), in each lane for one chunk after another
+narrow_phase -> contact_force -> (wall_contact) -> integrate until none is left, a join. A rebuild is the sequence of serial parts and parallel loops that the trace shows. Durations
 are those measured, chunk by chunk; a larger system draws from them. Scheduling follows oneTBB 2021.8 (its sources):
-  - a finished node runs one ready successor on the same thread at once (so a chunk's chain stays on one core) and puts the others
-    at the end of its own queue; the owner takes from the end, a thief from the front;
+  - a finished node runs one ready successor on the same thread at once and puts the others at the end of its own queue; the owner
+    takes from the end, a thief from the front;
   - a thread without work picks one victim at random; a failed attempt costs a pause of 1000 cycles; after some hundred failures it
     falls asleep, and waking it costs `wake`;
   - taking tasks out of one queue is serialised by its lock.
-Which chunk a chain works on is the engine's choice (scheduler/shares.cpp): the thread that starts a chain takes the next chunk of its
-own share of consecutive chunks, or the last one of the fullest share when its own is used up. Recorded chunks have equal cost to the
+Which chunk a lane works on is the engine's choice (scheduler/shares.cpp): its thread takes the next chunk of its own share of
+consecutive chunks, or the last one of the fullest share when its own is used up. Recorded chunks have equal cost to the
 engine's estimate, as in a run with threads; what they really cost is in the trace.
 Memory: traffic beyond the caches shares the node's bandwidth; a chunk cannot finish faster than its share allows.
 """
@@ -28,7 +28,8 @@ class Costs:
     """What the scheduler itself costs, in seconds."""
 
     hop: float = 0.1e-6       # from a node to the next one of its chain; measured in the trace
-    spawn: float = 0.1e-6     # putting one ready task into the queue; measured in the trace (fan-out)
+    turn: float = 0.2e-6      # from the end of a chunk to the next one of the lane; measured in the trace
+    spawn: float = 0.1e-6     # putting one ready task into the queue
     join: float = 1e-6        # last integrate -> displacement_check; measured in the trace
     steal: float = 0.3e-6     # taking a task out of another thread's queue, under its lock
     attempt: float = 0.4e-6   # a failed attempt: prolonged_pause(), 1000 cycles
@@ -63,8 +64,9 @@ class Recording:
     facts: dict
     chains: list            # steps x chunks x {node: seconds}
     check: float            # seconds of displacement_check
-    first_gap: float        # end of the check to the first narrow_phase: fan-out to all chunks
+    first_gap: float        # end of the check to the first narrow_phase
     join_gap: float         # end of the last integrate to the next check
+    turn: float             # end of an integrate to the next narrow_phase
     hop: float
     rebuild: list = None    # segments of a rebuild: ("serial", s) or ("loop", [s, ...])
     sort_epoch: list = None  # of an epoch without the rebuild in it
@@ -123,7 +125,7 @@ def read_trace(path):
     steps = {}
     for e in events:
         steps.setdefault(e["args"]["step"], []).append(e)
-    chains, checks, first, joins, hops = [], [], [], [], []
+    chains, checks, first, joins, hops, turns = [], [], [], [], [], []
     rebuilds, epochs, last_end = [], [], None
     for number in sorted(steps):
         chunks, serial, blocks = {}, {}, []
@@ -147,6 +149,8 @@ def read_trace(path):
         for c in chunks.values():
             chain = [c[k] for k in CHAIN if k in c]
             hops += [(b["ts"] - a["ts"] - a["dur"]) * 1e-6 for a, b in zip(chain, chain[1:])]
+        ends = sorted((c["narrow_phase"]["ts"], c["integrate"]["ts"] + c["integrate"]["dur"]) for c in chunks.values())
+        turns += [(b[0] - a[1]) * 1e-6 for a, b in zip(ends, ends[1:])]
         last_end = max(c["integrate"]["ts"] + c["integrate"]["dur"] for c in chunks.values())
         span = lambda e: (e["ts"], e["ts"] + e["dur"])
         if "rebuild" in serial:
@@ -162,7 +166,7 @@ def read_trace(path):
     chains = [c for c in chains if len(c) == count]
     clip(chains)
     kinds = [k for k in CHAIN if k in chains[0][0]]
-    return Recording(facts, chains, median(checks), median(first), median(joins), median(hops), typical(rebuilds), typical(epochs), kinds=kinds)
+    return Recording(facts, chains, median(checks), median(first), median(joins), median(turns), median(hops), typical(rebuilds), typical(epochs), kinds=kinds)
 
 
 def step_times(path):
@@ -217,23 +221,24 @@ class Machine:
 
     def fork_join(self, durations, tree, shares=None):
         """Runs tasks of the given durations from worker 0; tree: ranges are halved and handed on, otherwise worker 0 queues every
-        task itself. shares: bounds of the workers' shares of the durations; a task then takes its duration when it starts. Sets
-        now to the end of the last one."""
+        task itself. shares: bounds of the workers' shares of the durations; the tasks are then lanes, one per worker, each of which
+        takes one duration after another until none is left. Sets now to the end of the last one."""
         c, p = self.costs, self.cores
         if p == 1:
-            self.now += sum(durations) + c.spawn * len(durations)
+            self.now += sum(durations) + (c.turn if shares else c.spawn) * len(durations)
             self.busy += sum(durations)
             self.idle_since[0] = self.now
             return
         queues = [[] for _ in range(p)]  # (available at, first, last) ranges of tasks
         heads = [0] * p
         locks = [0.0] * p
-        left = len(durations)
+        tasks = min(p, len(durations)) if shares else len(durations)
+        left = tasks
         end = self.now
         events = []
         for w in range(1, p):
             asleep = self.now - self.idle_since[w] > c.asleep_after
-            events.append((self.now + (c.wake * self.random.uniform(0.5, 1.5) if asleep else c.attempt * self.random.random()), w))
+            events.append((self.now + (c.wake * self.random.uniform(0.5, 1.5) if asleep else c.attempt * self.random.random()), w, False))
         heapq.heapify(events)
 
         window = [list(b) for b in zip(shares, shares[1:])] if shares else None
@@ -245,11 +250,26 @@ class Machine:
                 own[0] += 1
                 return own[0] - 1
             fullest = max(window, key=lambda b: b[1] - b[0])
+            if fullest[0] == fullest[1]:
+                return -1
             fullest[1] -= 1
             return fullest[1]
 
+        def advance(w, t):
+            """The next chunk of worker w's lane, or its end."""
+            nonlocal left, end
+            k = taken(w)
+            if k < 0:
+                left -= 1
+                end = max(end, t)
+                self.idle_since[w] = t
+                heapq.heappush(events, (t, w, False))
+                return
+            self.busy += durations[k]
+            heapq.heappush(events, (t + durations[k] + c.turn, w, True))
+
         def execute(w, t, first, last):
-            """Runs a range on worker w from t on; returns when it looks for work again."""
+            """Runs a range on worker w from t on, up to its first event."""
             nonlocal left, end
             if tree:
                 while last - first > 1:
@@ -262,21 +282,26 @@ class Machine:
                     t += c.spawn
                     queues[w].append((t, k, k + 1))
                 first = last - 1
-            lasts = durations[taken(w) if shares else first]
+            if shares:
+                return advance(w, t)
+            lasts = durations[first]
             t += lasts
             self.busy += lasts
             left -= 1
             end = max(end, t)
             self.idle_since[w] = t
-            return t
+            heapq.heappush(events, (t, w, False))
 
-        heapq.heappush(events, (execute(0, self.now, 0, len(durations)), 0))
+        execute(0, self.now, 0, tasks)
         while left > 0:
-            t, w = heapq.heappop(events)
+            t, w, in_lane = heapq.heappop(events)
+            if in_lane:
+                advance(w, t)
+                continue
             if len(queues[w]) > heads[w]:
                 start = max(t, locks[w])
                 _, first, last = queues[w].pop()
-                heapq.heappush(events, (execute(w, start, first, last), w))
+                execute(w, start, first, last)
                 continue
             v = self.random.randrange(p - 1)
             v += v >= w
@@ -285,9 +310,9 @@ class Machine:
                 heads[v] += 1
                 start = max(t, locks[v]) + c.steal
                 locks[v] = start
-                heapq.heappush(events, (execute(w, start, first, last), w))
+                execute(w, start, first, last)
             else:
-                heapq.heappush(events, (t + c.attempt, w))
+                heapq.heappush(events, (t + c.attempt, w, False))
         self.now = end
         self.idle_since[0] = max(self.idle_since[0], end)
 
@@ -341,7 +366,7 @@ def simulate(rec, particles, cores, costs, memory, tree, rebuild_every, samples=
         durations = [max(d, least) + hops for d in durations]
         longest = max(longest, max(durations))
         begin = machine.now
-        machine.serial(rec.check * max(1.0, chunks / rec.chunks))
+        machine.serial(rec.check)  # of the same length whatever the chunks: none but those with news are visited
         machine.fork_join(durations, tree, equal_shares(chunks, cores))
         machine.serial(costs.join)
         steps.append(machine.now - begin)
@@ -351,7 +376,7 @@ def simulate(rec, particles, cores, costs, memory, tree, rebuild_every, samples=
     sort_every = rec.facts["sort_every"]
     rates = {"rebuild": 1 / rebuild_every + 1 / sort_every, "sort_epoch": 1 / sort_every}
     total = step
-    critical = rec.check * max(1.0, chunks / rec.chunks) + costs.spawn + longest + costs.join
+    critical = rec.check + costs.spawn + longest + costs.join
     for name, rate in rates.items():
         parts = getattr(rec, name)
         if parts is None:

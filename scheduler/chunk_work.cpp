@@ -493,6 +493,17 @@ void wall_chunk(World& w, Chunk& c) {
   std::swap(c.wall_moment, c.wall_moment_next);
 }
 
+namespace {
+
+/// Tells the next check whether it has to look at this chunk.
+void report_chunk(World& w, const Chunk& c) {
+  if (c.expired != 0) w.any_expired.store(true, std::memory_order_relaxed);
+  if (w.sampled || c.out_count != 0 || c.unstable_row >= 0 || c.deep_slot >= 0 || c.deep_wall >= 0)
+    w.news.store(true, std::memory_order_relaxed);
+}
+
+}  // namespace
+
 void integrate_chunk(World& w, Chunk& c) {
   NodeTimer timer(w, c, Node::integrate);
   Scratch& s = *c.scratch;
@@ -500,6 +511,7 @@ void integrate_chunk(World& w, Chunk& c) {
   if (w.step < w.scene.relax.steps) {
     relax_chunk(w, c);
     if (w.skin.own_check()) travel_chunk(w, c);
+    report_chunk(w, c);
     w.scratch.give(c.scratch, thread_slot(w));
     c.scratch = nullptr;
     return;
@@ -547,6 +559,7 @@ void integrate_chunk(World& w, Chunk& c) {
   c.unstable_row = a.unstable_row;
   if (w.skin.own_check()) travel_chunk(w, c);
   if (w.sampled) observe_chunk(w, c);
+  report_chunk(w, c);
   w.scratch.give(c.scratch, thread_slot(w));
   c.scratch = nullptr;
 }

@@ -108,6 +108,7 @@ bool cut_lists(World& w) {
     if (!p.enough) return false;
     skins += p.skins;
   }
+  w.any_expired.store(false, std::memory_order_relaxed);
   w.frame.built = w.step;
   w.frame.mean_skin = w.alive > 0 ? skins / static_cast<double>(w.alive) : 0;
   for_chunks(w, [](World& world, Chunk& c) {

@@ -28,9 +28,8 @@ double sum_rows(const World& w, const std::function<double(Row)>& value) {
 /// Brings removals and lists up to date so that contacts of the present state can be evaluated.
 void prepare_lists(World& w) {
   check_step(w, w.step + 1);
-  bool expired = !w.lists_valid || (w.has.moving_walls && w.walls.expired());
-  for (const auto& c : w.chunks) expired = expired || c->expired != 0;
-  if (expired) rebuild_step(w, true);  // changes no result, and the next step finds its list fresh
+  if (!w.lists_valid || (w.has.moving_walls && w.walls.expired()) || w.any_expired.load(std::memory_order_relaxed))
+    rebuild_step(w, true);  // changes no result, and the next step finds its list fresh
 }
 
 void record_contacts(World& w, std::vector<ContactRecord>& out, std::vector<std::pair<Row, Row>>& rows) {

@@ -237,6 +237,7 @@ void count_pairs(World& w) {
 }
 
 void rebuild_lists(World& w) {
+  w.any_expired.store(false, std::memory_order_relaxed);
   prepare_skins(w);
   fill_cells(w);
   if (w.has.walls)

@@ -58,6 +58,8 @@ void ChunkShares::divide(const std::vector<double>& cost, int threads) {
   if (same_numbers && slowest(bounds_, cost) * (1 - k_worth) <= slowest(bounds, cost)) return;
   if (bounds.size() != bounds_.size()) shares_ = std::make_unique<Share[]>(static_cast<std::size_t>(threads));
   bounds_ = std::move(bounds);
+  unused_ = 0;
+  for (std::size_t t = 0; t + 1 < bounds_.size(); ++t) unused_ += bounds_[t] == bounds_[t + 1] ? 1 : 0;
 }
 
 void ChunkShares::prepare(int chunks, int threads) {
@@ -79,8 +81,10 @@ int ChunkShares::take_from(std::size_t share, bool own) noexcept {
     const bool from_front = own == ((round_ & 1U) == 0);
     const std::uint32_t chunk = from_front ? left.first++ : --left.end;
     const std::uint64_t then = std::uint64_t{round_} << 48 | std::uint64_t{left.first} << 24 | left.end;
-    if (shares_[share].word.compare_exchange_weak(seen, then, std::memory_order_relaxed))
+    if (shares_[share].word.compare_exchange_weak(seen, then, std::memory_order_relaxed)) {
+      if (left.first == left.end) used_up_.fetch_add(1, std::memory_order_relaxed);
       return static_cast<int>(chunk);
+    }
   }
 }
 
@@ -88,7 +92,7 @@ int ChunkShares::take(int slot) noexcept {
   const std::size_t shares = bounds_.size() - 1;
   if (slot >= 0 && static_cast<std::size_t>(slot) < shares)
     if (const int c = take_from(static_cast<std::size_t>(slot), true); c >= 0) return c;
-  for (;;) {
+  while (used_up_.load(std::memory_order_relaxed) < static_cast<int>(shares)) {
     std::uint32_t most = 0;
     std::size_t victim = 0;
     for (std::size_t t = 0; t < shares; ++t) {
@@ -101,6 +105,7 @@ int ChunkShares::take(int slot) noexcept {
     if (most == 0) return -1;
     if (const int c = take_from(victim, false); c >= 0) return c;
   }
+  return -1;
 }
 
 int thread_slot(const World& w) noexcept {

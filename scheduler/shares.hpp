@@ -24,9 +24,12 @@ class ChunkShares {
   void prepare(int chunks, int threads);
   /// A new round: all chunks are free again. Every second round goes backwards through the shares, since what was used
   /// last is still in cache: 5 % at 128k grains. Serial.
-  void begin_round() noexcept { ++round_; }
+  void begin_round() noexcept {
+    ++round_;
+    used_up_.store(unused_, std::memory_order_relaxed);
+  }
   /// A chunk for the calling thread of this slot (-1: none): the next of its own share, else the last one of the share
-  /// with most left. As often in a round as there are chunks.
+  /// with most left; -1 where every chunk of the round is taken.
   int take(int slot) noexcept;
   /// First chunk of every thread's share, and the number of chunks.
   const std::vector<int>& bounds() const noexcept { return bounds_; }
@@ -46,6 +49,8 @@ class ChunkShares {
   std::vector<int> bounds_;
   std::unique_ptr<Share[]> shares_;
   std::uint16_t round_ = 1;
+  int unused_ = 0;                ///< shares without chunks
+  std::atomic<int> used_up_{0};  ///< shares with none left: who finds all of them so need not visit each
 };
 
 /// Slot of the calling thread in the arena of the run, or -1.

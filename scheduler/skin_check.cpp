@@ -229,9 +229,10 @@ bool lists_expired(const World& w) {
   if (w.has.moving_walls && w.walls.expired()) return true;
   const double fault = w.options.seeded_fault == 3 ? 3 : 1;  // tests only: believes in more than was listed
   if (static_cast<double>(w.step - w.frame.built) * w.scene.dt > fault * w.frame.life) return true;
+  if (w.any_expired.load(std::memory_order_relaxed)) return true;
+  if (!w.skin.own_check()) return false;
   double first = 0, second = 0;
   for (const auto& c : w.chunks) {
-    if (c->expired != 0) return true;
     second = fmax2(second, fmax2(c->travel[1], fmin2(first, c->travel[0])));
     first = fmax2(first, c->travel[0]);
   }

@@ -272,13 +272,11 @@ void SkinTuner::list_built(World& w, double rebuild_ticks, bool cut) {
   (cut ? cut_list_ : rebuild_).add(rebuild_ticks);
   begin_ = ticks(w);
   // pairs whose gap lies between 3/4 and 1 of their skins: what a change of skins adds or takes
-  std::int64_t near = 0;
   const double stretch = 1 / (1 - 0.75 * (1 - 1 / w.frame.stretch));  // that of 3/4 of the lists' life
-  slots_ = contacts_ = 0;
-  for (const auto& cp : w.chunks) {
-    const Chunk& c = *cp;
-    slots_ += static_cast<double>(c.end[2]);
-    contacts_ += static_cast<double>(c.contact_end[2]);
+  std::vector<std::int64_t> near_of(w.chunks.size());
+  parallel(w, static_cast<int>(w.chunks.size()), [&](int q) {
+    const Chunk& c = *w.chunks[static_cast<std::size_t>(q)];
+    std::int64_t near = 0;
     for (std::int64_t group = 8 * (c.index % k_sample); group < c.end[2]; group += 8 * k_sample)
       for (std::int64_t k = group; k < group + 8; ++k) {
         const Row i = c.pi[static_cast<std::size_t>(k)], j = c.pj[static_cast<std::size_t>(k)];
@@ -288,18 +286,30 @@ void SkinTuner::list_built(World& w, double rebuild_ticks, bool cut) {
         const double touch = x[3] + w.skin.range(x[3]) + y[3] + w.skin.range(y[3]);
         near += distance2(w, x, y) > square((touch + 0.75 * skins) * stretch) ? 1 : 0;
       }
+    near_of[static_cast<std::size_t>(q)] = near;
+  });
+  std::int64_t near = 0;
+  slots_ = contacts_ = 0;
+  for (std::size_t q = 0; q < w.chunks.size(); ++q) {
+    slots_ += static_cast<double>(w.chunks[q]->end[2]);
+    contacts_ += static_cast<double>(w.chunks[q]->contact_end[2]);
+    near += near_of[q];
   }
   gain_ = 4.0 * k_sample * static_cast<double>(near);
   if (w.has.walls) sample_walls(w);
 }
 
 /// The same for walls: what the candidates of a sample of rows would be with 3/4 of their skins.
-void SkinTuner::sample_walls(const World& w) {
-  std::vector<std::int32_t> found;
-  double pairs = 0, sampled = 0, fewer = 0;
-  for (const auto& cp : w.chunks) {
-    const Chunk& c = *cp;
-    pairs += static_cast<double>(c.wall_element.size());
+void SkinTuner::sample_walls(World& w) {
+  struct Sums {
+    double pairs = 0, sampled = 0, fewer = 0;
+  };
+  std::vector<Sums> parts(w.chunks.size());
+  parallel(w, static_cast<int>(w.chunks.size()), [&](int q) {
+    const Chunk& c = *w.chunks[static_cast<std::size_t>(q)];
+    std::vector<std::int32_t> found;
+    Sums s;
+    s.pairs = static_cast<double>(c.wall_element.size());
     for (std::size_t k = static_cast<std::size_t>(c.index % k_wall_sample); k < c.wall_row.size(); k += k_wall_sample) {
       const double* x = w.p.data() + 4L * c.wall_row[k];
       const double* ref = (w.skin.cuts() ? w.outer : w.x0).data() + 4L * c.wall_row[k];
@@ -307,12 +317,19 @@ void SkinTuner::sample_walls(const World& w) {
       const double drift = drift_reach(w, c.wall_row[k]);
       found.clear();
       w.walls.candidates({x[0], x[1], x[2]}, x[3] + 2 * w.skin.range(x[3]) + 0.75 * (skin + drift), found);
-      sampled += static_cast<double>(c.wall_begin[k + 1] - c.wall_begin[k]);
-      fewer += static_cast<double>(found.size());
+      s.sampled += static_cast<double>(c.wall_begin[k + 1] - c.wall_begin[k]);
+      s.fewer += static_cast<double>(found.size());
     }
+    parts[static_cast<std::size_t>(q)] = s;
+  });
+  Sums all;
+  for (const Sums& s : parts) {
+    all.pairs += s.pairs;
+    all.sampled += s.sampled;
+    all.fewer += s.fewer;
   }
-  wall_pairs_ = pairs;
-  wall_gain_ = sampled > 0 ? 4 * fmax2(sampled - fewer, 0) * pairs / sampled : 0;
+  wall_pairs_ = all.pairs;
+  wall_gain_ = all.sampled > 0 ? 4 * fmax2(all.sampled - all.fewer, 0) * all.pairs / all.sampled : 0;
 }
 
 double SkinTuner::wall_contacts(const World& w) {

@@ -55,7 +55,7 @@ class SkinTuner {
   };
   void guess(World& w);
   Ticks ticks(const World& w) const;
-  void sample_walls(const World& w);
+  void sample_walls(World& w);
   static double wall_contacts(const World& w);
   double list_ticks() const noexcept;
   Use used_skins(World& w) const;

@@ -2,6 +2,7 @@
 // reads and writes are listed in step_graph.cpp (I7). Position rows are relative to the domain's lower corner.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -35,6 +36,8 @@ void grow(Column<T>& c, std::size_t n) {
 
 inline constexpr double k_gone = 1e150;  ///< coordinate of removed rows: touches nothing, stays finite
 inline constexpr int k_energy_block = 1024;
+/// Work of a step, or of a block of its rows [J]: place 1 damping, 2 friction, 3 background, 4 drive, 5 gravity.
+using StepWork = std::array<double, 6>;
 
 /// The last rebuilds, thinned: when full, every second entry goes and from then on only half as many are taken.
 class ListSeries {
@@ -237,10 +240,13 @@ struct World {
   std::vector<std::unique_ptr<Chunk>> chunks;
   Chunk serial;  ///< stands for all rows in the timers of serial nodes
   NodeTimes times;
-  int graph_chunks = 0;  ///< chunks the step graph was built for
+  int graph_lanes = 0;  ///< loops over chunks that the step graph was built with
   ScratchPool scratch;
   ChunkShares shares;
-  std::vector<Chunk*> chain;  ///< the chunk that each chain of the step graph has taken
+  /// Some chunk has something to say about the last step: leavers, a failure, samples of the monitor. Nearly always none
+  /// has, and a check that visits every chunk fetches a cache line of each from the core that worked on it.
+  std::atomic<bool> news{true};
+  std::atomic<bool> any_expired{true};  ///< some chunk's list has expired; set before false, so never too late
 
   // broad phase
   SkinRule skin;
@@ -267,6 +273,7 @@ struct World {
   Counters counters;
   std::int64_t last_rebuild_step = 0;
   double loss_damping = 0, loss_friction = 0, loss_background = 0, wall_work = 0, inserted_energy = 0;
+  std::vector<StepWork> step_work;  ///< by block of k_energy_block rows; with energies only
   double drive_power = 0;   ///< of moving walls and driven grains at the last step, times dt [J]
   double gravity_work = 0;  ///< along periodic axes, where a height means nothing
   double start_energy = 0;

@@ -78,7 +78,8 @@ class Study:
             text = contents(scene).decode()
             dt = next(float(line.split("=")[1]) for line in text.splitlines() if line.replace(" ", "").startswith("step="))
             steps = int(round(case.prepared / dt))
-        key = digest(contents(scene), *[contents(g) for g in used], *self.overrides(case), steps, self.binary)
+        # not the binary: any build may go on from a state (or says that it cannot), and all points share this one
+        key = digest(contents(scene), *[contents(g) for g in used], *self.overrides(case), steps)
         folder = os.path.join(self.args.out, "states", f"{case.name}-{key}")
         checkpoint = os.path.join(folder, f"checkpoint-{steps}.tcp")
         if not os.path.exists(checkpoint):
@@ -105,7 +106,7 @@ class Study:
                 order = list(self.points)
                 random.Random(f"{case.name} {repeat} {self.args.seed}").shuffle(order)
                 for point in order:
-                    key = digest(state, point.name, *point.sets, self.args.steps or case.steps, self.args.warm,
+                    key = digest(state, self.binary, point.name, *point.sets, self.args.steps or case.steps, self.args.warm,
                                  self.args.threads, repeat, self.args.isa or "")
                     out.append((case, point, repeat, key, first, checkpoint))
         return out
