@@ -306,6 +306,69 @@ bool same_bits(const Column<double>& a, const Column<double>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
 }
 
+// Rows repeat within a vector, as own rows and as partners of contacts before: every row must get its terms in list
+// order, section by section.
+TEST(Scatter, AddsEveryRowsTermsInListOrder) {
+  const CounterRng rng(17, 1, 0);
+  std::uint32_t draws = 0;
+  const auto u = [&] { return rng.uniform(draws++); };
+  int repeated = 0, both_ways = 0;
+  for (int round = 0; round < 400; ++round) {
+    const int rows = 3 + static_cast<int>(u() * 40), most = 1 + round % 5;
+    // rows [0, rows) of a chunk, lower ones behind them, then higher ones
+    Column<std::int32_t> own, partner;
+    int from = 0, to = 0;
+    for (int section = 0; section < 3; ++section) {
+      if (section == 1) from = static_cast<int>(own.size());
+      if (!(section == 1 && round % 7 == 0))  // now and then no pair within the chunk
+        for (int i = 0; i < rows; ++i) {
+          int j = section == 1 ? i : (section == 0 ? rows : 2 * rows);
+          for (int m = static_cast<int>(u() * (most + 1)); m > 0; --m) {
+            j += 1 + static_cast<int>(u() * 4);
+            if (section == 1 && j >= rows) break;
+            own.push_back(i);
+            partner.push_back(j);
+          }
+        }
+      if (section == 1) to = static_cast<int>(own.size());
+    }
+    const int n = std::min<int>(static_cast<int>(own.size()), k_block);
+    const std::size_t all = static_cast<std::size_t>(6 * rows) + 400;
+    own.resize(own.size() + k_block + k_pad, static_cast<std::int32_t>(all) - 1);
+    partner.resize(own.size(), static_cast<std::int32_t>(all) - 1);
+    from = std::min(from, n);
+    to = std::min(to, n);
+    alignas(64) double r[8][k_block + k_pad] = {};
+    for (auto& column : r)
+      for (double& x : column) x = 2 * u() - 1;
+    for (int q = 0; q < n; ++q) {
+      const auto a = static_cast<std::size_t>(q);
+      repeated += q > 0 && own[a] == own[a - 1] ? 1 : 0;
+      for (int p = std::max(0, q - 7); p < q; ++p)
+        both_ways += p >= from && q < to && partner[static_cast<std::size_t>(p)] == own[a] ? 1 : 0;
+    }
+    for (const int width : {4, 8}) {
+      Column<double> wanted(width * all, 0.0);
+      for (int q = 0; q < n; ++q) {
+        double* fi = wanted.data() + static_cast<std::ptrdiff_t>(width) * own[static_cast<std::size_t>(q)];
+        for (int c = 0; c < width; ++c) fi[c] = fi[c] + r[c][q];
+        if (q < from || q >= to) continue;
+        double* fj = wanted.data() + static_cast<std::ptrdiff_t>(width) * partner[static_cast<std::size_t>(q)];
+        for (int c = 0; c < width; ++c) fj[c] = c < 3 ? fj[c] - r[c][q] : fj[c] + r[c][q];
+      }
+      for (const Isa isa : available_isas()) {
+        Column<double> f(width * all, 0.0);
+        select_kernels(isa).scatter[width == 8 ? 1 : 0](
+            ScatterArgs{f.data(), own.data(), partner.data(), n, from, to, r});
+        ASSERT_TRUE(same_bits(f, wanted)) << isa_name(isa) << " width " << width << " round " << round;
+      }
+    }
+  }
+  // else it would be blind to what it is for
+  EXPECT_GT(repeated, 1000);
+  EXPECT_GT(both_ways, 1000);
+}
+
 // The engine takes the trial wherever it may (World::trial): the limit must not leave a trace of where it was applied.
 TEST(Law, TrialWithLimitedScatterGivesTheBitsOfLawAndScatter) {
   int sliding = 0, sticking = 0;
