@@ -165,6 +165,7 @@ def read_trace(path):
     count = median([len(c) for c in chains])
     chains = [c for c in chains if len(c) == count]
     clip(chains)
+    chains = quieter_half(chains)
     kinds = [k for k in CHAIN if k in chains[0][0]]
     return Recording(facts, chains, median(checks), median(first), median(joins), median(turns), median(hops), typical(rebuilds), typical(epochs), kinds=kinds)
 
@@ -192,6 +193,14 @@ def typical(recorded):
     alike = [r for r in recorded if shape(r) == wanted]
     return [(kind, [median([r[k][1][b] for r in alike]) for b in range(blocks)] if kind == "loop" else median([r[k][1] for r in alike]))
             for k, (kind, blocks) in enumerate(wanted)]
+
+
+def quieter_half(chains):
+    """The steps of the recording that took least, in their order: on a shared machine whole stretches of steps run a third longer
+    because of its other guests, and how many of them a recording holds differs between chunk sizes."""
+    total = [sum(sum(c.values()) for c in step) for step in chains]
+    middle = median(total)
+    return [step for step, t in zip(chains, total) if t <= middle]
 
 
 def clip(chains):

@@ -33,7 +33,8 @@ def cpu_name():
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--small", action="store_true", help="the small cases instead of the full ones")
-    parser.add_argument("--quick", action="store_true", help=f"as --small, with {plan.QUICK_STEPS} timed steps, {plan.QUICK_REPEATS} repeats and fewer uniform skins")
+    parser.add_argument("--quick", action="store_true", help=f"as --small, with {plan.QUICK_STEPS} timed steps, {plan.QUICK_REPEATS} repeats, --few")
+    parser.add_argument("--few", action="store_true", help="fewer uniform skins, the other policies at one setting each")
     parser.add_argument("--cases", help="names, with commas (all)")
     parser.add_argument("--series", default="paper,local,uniform,others", help="what is swept (paper,local,uniform,others)")
     parser.add_argument("--k", help="other values of K, with commas")
@@ -55,7 +56,7 @@ def arguments():
     args = parser.parse_args()
     if not os.access(args.talus, os.X_OK):
         parser.error(f"{args.talus} is not there: build it (bash cases/build.sh) or name another one with --talus")
-    args.small = args.small or args.quick
+    args.small, args.few = args.small or args.quick, args.few or args.quick
     args.repeats = args.repeats if args.repeats is not None else plan.QUICK_REPEATS if args.quick else 3
     args.warm = args.warm if args.warm is not None else plan.QUICK_WARM if args.quick else 200
     args.steps = args.steps if args.steps is not None or not args.quick else plan.QUICK_STEPS
@@ -78,7 +79,7 @@ def chosen(parser, args):
     if unknown:
         parser.error(f"no series {', '.join(unknown)}")
     ks = [int(k) for k in args.k.split(",")] if args.k else plan.K_SWEEP
-    return cases, plan.points(*plan.choices(args.talus), series, ks, plan.UNIFORM_QUICK if args.quick else plan.UNIFORM_TUNED)
+    return cases, plan.points(*plan.choices(args.talus), series, ks, args.few)
 
 
 def main():

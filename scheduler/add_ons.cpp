@@ -84,7 +84,8 @@ void narrow_add_ons(World& w, Chunk& c, NarrowArgs& a, std::size_t room) {
   k.before = s.before.data();
   k.now = c.mask.data();
   k.slots = c.end[2];
-  const int first = w.has.adhesion ? 0 : w.has.law_columns;  // the laws find the columns below by the narrow phase's runs
+  const int first =
+      w.has.adhesion ? 0 : w.has.law_columns;  // the laws find the columns below by the narrow phase's runs
   for (int q = first; q < w.has.history_columns; ++q) {
     grow(s.h[q], room);
     grow(c.h[q], k_pad);

@@ -387,8 +387,12 @@ void wall_chunk(World& w, Chunk& c) {
     const double radius = w.has.adhesion ? c.wall_radius[q] : x[3];
     const std::size_t first = c.wall_begin[q], count = c.wall_begin[q + 1] - first;
     if (s.wall_near.size() < count) s.wall_near.resize(2 * count);
-    // elements that the way of the row and of the walls since the rebuild cannot have brought within its radius: most
-    const double way = __builtin_sqrt(distance2(w, x, listed_at + 4L * i)) + wall_travel;
+    // elements that the way of the row and of the walls since the rebuild cannot have brought within its radius: most,
+    // and mostly all of a row
+    const double way2 = distance2(w, x, listed_at + 4L * i);
+    const double gap = static_cast<double>(c.wall_nearest[q]) - (radius + wall_travel) * (1 + 1e-6);
+    if (gap > 0 && gap * gap > way2 * (1 + 3e-6)) continue;
+    const double way = __builtin_sqrt(way2) + wall_travel;
     const auto limit = static_cast<float>((radius + way) * (1 + 1e-6));
     std::size_t near = 0;
     for (std::size_t k = first; k < first + count; ++k) {

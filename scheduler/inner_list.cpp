@@ -1,6 +1,6 @@
-// List policy outer_inner: lists cut out of longer ones. Who calls it: set_skins and rebuild_lists (outer lists are made
-// and cut for the first time), rebuild_tuned (cut again). Why it is exact: skin_check.cpp. Invariants: I1, I2 (the skin
-// that is checked is the one that was cut with), I3 (a cut keeps the order of the outer list, which is that of a
+// List policy outer_inner: lists cut out of longer ones. Who calls it: set_skins and rebuild_lists (outer lists are
+// made and cut for the first time), rebuild_tuned (cut again). Why it is exact: skin_check.cpp. Invariants: I1, I2 (the
+// skin that is checked is the one that was cut with), I3 (a cut keeps the order of the outer list, which is that of a
 // rebuild), I5. Other policies come here for nothing.
 #include <algorithm>
 #include <cstring>

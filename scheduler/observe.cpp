@@ -304,15 +304,15 @@ std::int64_t audit_lists(const World& w) {
 std::size_t bytes_of(const World& w) {
   const auto size = [](const auto& c) { return c.capacity() * sizeof(c[0]); };
   std::size_t b = size(w.p) + size(w.p2) + size(w.v) + size(w.v2) + size(w.x0) + size(w.id) + size(w.material) +
-                  size(w.fixed) + size(w.group) + size(w.energy) + size(w.next_skin) + size(w.outer) + size(w.near) + size(w.cell_of_row) +
-                  size(w.place_in_cell) + size(w.sx) + size(w.sy) + size(w.sz) + size(w.sr) + size(w.reach) +
-                  size(w.sorted_row) + size(w.cell_start) + w.list_scratch.bytes() + w.scratch.bytes();
+                  size(w.fixed) + size(w.group) + size(w.energy) + size(w.next_skin) + size(w.outer) + size(w.near) +
+                  size(w.cell_of_row) + size(w.place_in_cell) + size(w.sx) + size(w.sy) + size(w.sz) + size(w.sr) +
+                  size(w.reach) + size(w.sorted_row) + size(w.cell_start) + w.list_scratch.bytes() + w.scratch.bytes();
   if (w.has.walls) b += w.walls.bytes();
   for (const auto& c : w.chunks) {
-    b += size(c->outer_i) + size(c->outer_j) + size(c->pi) + size(c->pj) + size(c->mask) + size(c->wall_row) + size(c->wall_begin) + size(c->wall_element) +
-         size(c->wall_distance) + size(c->wall_radius) + size(c->wall_state) + size(c->wall_next) +
-         size(c->wall_force) + size(c->wall_point) + size(c->distributed) + size(c->wall_moment) +
-         size(c->wall_moment_next) + size(c->wall_torque) + size(c->out);
+    b += size(c->outer_i) + size(c->outer_j) + size(c->pi) + size(c->pj) + size(c->mask) + size(c->wall_row) +
+         size(c->wall_begin) + size(c->wall_element) + size(c->wall_distance) + size(c->wall_nearest) +
+         size(c->wall_radius) + size(c->wall_state) + size(c->wall_next) + size(c->wall_force) + size(c->wall_point) +
+         size(c->distributed) + size(c->wall_moment) + size(c->wall_moment_next) + size(c->wall_torque) + size(c->out);
     for (int k = 0; k < k_max_columns; ++k) b += size(c->h[k]);
   }
   return b;
@@ -363,7 +363,8 @@ Plan plan_of(const World& w) {
   const double n = std::max<double>(1, w.alive);
   double lists = 0, history = 0, walls = 0;
   for (const auto& c : w.chunks) {
-    lists += 8.0 * static_cast<double>(c->outer_end[2]) + 8.0 * static_cast<double>(c->end[2]) + static_cast<double>(c->end[2]) / 8;
+    lists += 8.0 * static_cast<double>(c->outer_end[2]) + 8.0 * static_cast<double>(c->end[2]) +
+             static_cast<double>(c->end[2]) / 8;
     history += 8.0 * h.history_columns * static_cast<double>(c->contact_end[2]);
     walls += 4.0 * static_cast<double>(c->wall_row.size() * 2 + c->wall_element.size() * 2) +
              static_cast<double>(sizeof(WallState) * c->wall_state.size() + 8 * c->wall_moment.size());

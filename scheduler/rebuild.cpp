@@ -143,11 +143,12 @@ void wall_candidates(World& w, Chunk& c) {
   c.wall_radius.clear();
   c.wall_element.clear();
   c.wall_distance.clear();
+  c.wall_nearest.clear();
   for (Row i = c.lo; i < c.hi; ++i) {
     if (!w.is_alive(i) || (w.has.fixed && w.fixed[i] != 0)) continue;
     const std::size_t before = c.wall_element.size();
-    const double own = w.skin.cuts() ? w.outer[4L * i + 3]
-                                     : __builtin_sqrt(w.x0[4L * i + 3]) / (w.options.seeded_fault == 3 ? 3 : 1);
+    const double own =
+        w.skin.cuts() ? w.outer[4L * i + 3] : __builtin_sqrt(w.x0[4L * i + 3]) / (w.options.seeded_fault == 3 ? 3 : 1);
     const double skin = w.skin.to_walls(own) + drift_reach(w, i);
     // Walls have no images: where the row wraps before the next rebuild it meets the elements at the other end.
     const Vec3 at{w.p[4L * i], w.p[4L * i + 1], w.p[4L * i + 2]};
@@ -175,6 +176,8 @@ void wall_candidates(World& w, Chunk& c) {
     c.wall_row.push_back(i);
     if (w.has.adhesion) c.wall_radius.push_back(radius);
     c.wall_begin.push_back(static_cast<std::int32_t>(before));
+    c.wall_nearest.push_back(
+        *std::min_element(c.wall_distance.begin() + static_cast<std::ptrdiff_t>(before), c.wall_distance.end()));
   }
   c.wall_begin.push_back(static_cast<std::int32_t>(c.wall_element.size()));
 }

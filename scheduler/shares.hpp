@@ -1,4 +1,4 @@
-// Which thread works on which chunk. Who calls it: the first node of every chain of the step graph and the loops over
+// Which thread works on which chunk. Who calls it: the first node of every lane of the step graph and the loops over
 // chunks of a rebuild take their chunk here. Purpose: a thread meets the chunks of its last step again, whose rows and
 // lists lie in its caches (the graph's own scheduler hands tasks to whoever asks first: a quarter of the chunks changed
 // the thread in every step). Invariants: in a round every chunk is taken exactly once; who takes it and in which order
@@ -49,7 +49,7 @@ class ChunkShares {
   std::vector<int> bounds_;
   std::unique_ptr<Share[]> shares_;
   std::uint16_t round_ = 1;
-  int unused_ = 0;                ///< shares without chunks
+  int unused_ = 0;               ///< shares without chunks
   std::atomic<int> used_up_{0};  ///< shares with none left: who finds all of them so need not visit each
 };
 

@@ -25,8 +25,8 @@
 //   inner list is cut out of it: the pairs of the outer list within R_i + s_i + R_j + s_j at k, with fresh skins
 //   s_i <= S_i - |x_i(k) - x_i(m)|. While |x_i - x_i(k)| <= s_i, |x_i - x_i(m)| <= S_i: a pair that touches is in the
 //   outer list, and was within reach at k. So the inner check is all that has to be checked. A row that is left less
-//   than a quarter of the skin it should have ends the outer list, and so does all else that forces a rebuild. Walls keep
-//   the candidates of the outer list, made with S_i.
+//   than a quarter of the skin it should have ends the outer list, and so does all else that forces a rebuild. Walls
+//   keep the candidates of the outer list, made with S_i.
 // - Walls: listed within R_i + SkinRule::to_walls(s_i) + wall skin, and each of the two travels is checked.
 #include "scheduler/skin_check.hpp"
 

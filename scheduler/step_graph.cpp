@@ -1,11 +1,11 @@
 // The step at a glance. One step n: check the displacements of the last drift, rebuild the list if it expired, then per
 // chunk narrow phase -> contact forces -> (walls) -> integration, and join.
 //
-//   displacement_check --(valid)-----------------------------------------> start -> narrow_phase[c] --(no c left)--> join
-//          |                                                                 ^        -> contact_force[c]              |
-//          +--(expired, forced)--> insert -> sort_epoch -> rebuild ----------+          -> (wall_contact[c])           |
-//          ^                       (only if the scene inserts or has events)              -> integrate[c]              |
-//          |                                                                                -> narrow_phase[next c]    |
+//   displacement_check --(valid)-----------------------------------------> start -> narrow_phase[c] --(no c left)-->
+//   join
+//          |                                                                 ^        -> contact_force[c] |
+//          +--(expired, forced)--> insert -> sort_epoch -> rebuild ----------+          -> (wall_contact[c]) | ^ (only
+//          if the scene inserts or has events)              -> integrate[c]              | | -> narrow_phase[next c] |
 //          +-----------------------------------------------------------------------------------------------------------+
 //
 // node                reads                                   writes
@@ -20,9 +20,9 @@
 // join                                                        swaps p/p2 and v/v2, n + 1
 // Two unordered nodes never share a written array (I7): unordered are only nodes of different chunks.
 // There are as many such loops ("lanes") as threads can work at once. narrow_phase takes the next chunk of its thread's
-// share, or of another one's when that is used up (shares.hpp), so lanes balance themselves. Only narrow_phase is a task
-// that may change the thread; the nodes behind it run within it (lightweight): a task of its own for each, and for each
-// chunk, cost 0.3 us a piece, 1 us per chunk, where 28 threads have 125k grains' chunks of 16 us.
+// share, or of another one's when that is used up (shares.hpp), so lanes balance themselves. Only narrow_phase is a
+// task that may change the thread; the nodes behind it run within it (lightweight): a task of its own for each, and for
+// each chunk, cost 0.3 us a piece, 1 us per chunk, where 28 threads have 125k grains' chunks of 16 us.
 #include <oneapi/tbb/flow_graph.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
@@ -325,8 +325,7 @@ void add_step_work(World& w) {
   parallel(w, blocks.count, [&](int q) {
     for (std::int64_t b = blocks.from(q); b < blocks.to(q); ++b) {
       const auto from = static_cast<Row>(b * k_energy_block);
-      w.step_work[static_cast<std::size_t>(b)] =
-          work_of_rows(w, from, std::min<Row>(w.n, from + k_energy_block), pull);
+      w.step_work[static_cast<std::size_t>(b)] = work_of_rows(w, from, std::min<Row>(w.n, from + k_energy_block), pull);
     }
   });
   StepWork sum{};
@@ -422,16 +421,17 @@ void run_graph(World& w, std::int64_t target) {
             return Go();
           });
         };
-        auto& narrow_phase = first.emplace_back(g, unlimited, [&w, &lane](const Go&, Narrow::output_ports_type& ports) noexcept {
-          const int k = w.shares.take(thread_slot(w));
-          if (k < 0) {
-            std::get<1>(ports).try_put(Go());
-            return;
-          }
-          lane.chunk = w.chunks[static_cast<std::size_t>(k)].get();
-          guarded(w, k, [&] { narrow_chunk(w, *lane.chunk); });
-          std::get<0>(ports).try_put(Go());
-        });
+        auto& narrow_phase =
+            first.emplace_back(g, unlimited, [&w, &lane](const Go&, Narrow::output_ports_type& ports) noexcept {
+              const int k = w.shares.take(thread_slot(w));
+              if (k < 0) {
+                std::get<1>(ports).try_put(Go());
+                return;
+              }
+              lane.chunk = w.chunks[static_cast<std::size_t>(k)].get();
+              guarded(w, k, [&] { narrow_chunk(w, *lane.chunk); });
+              std::get<0>(ports).try_put(Go());
+            });
         auto& contact_force = add(force_chunk);
         auto& integrate = add(integrate_chunk);
         make_edge(output_port<0>(narrow_phase), contact_force);
@@ -445,8 +445,8 @@ void run_graph(World& w, std::int64_t target) {
         make_edge(integrate, narrow_phase);
         make_edge(output_port<1>(narrow_phase), join);
       }
-      // Halving ranges hand the lanes on: a thief takes half of what is left and becomes a victim itself. With all lanes
-      // in one thread's queue 27 others look for that one queue at random, 0.4 us per miss.
+      // Halving ranges hand the lanes on: a thief takes half of what is left and becomes a victim itself. With all
+      // lanes in one thread's queue 27 others look for that one queue at random, 0.4 us per miss.
       const auto fan_out = [&](const auto& self, std::size_t lo, std::size_t hi) -> receiver<Go>& {
         if (hi - lo == 1) return first[lo];
         auto& half = forks.emplace_back(g, [](const Go&) { return Go(); });

@@ -24,7 +24,7 @@ constexpr int k_rest = 3;
 // optimum is flat, 1.25 costs (1.25 + 1 / 1.25) / 2 - 1 = 2.5 % of the lists' own cost, 2 costs 25 %. With a velocity
 // profile, where that cost is some 6 % of a step, K = 200 was as fast as what the model takes for the optimum, 100 to
 // 140.
-constexpr double k_share = 0.047, k_longer = 1.25, k_longer_profile = 2;
+constexpr double k_share = 0.042, k_longer = 1.25, k_longer_profile = 2;
 constexpr std::int64_t k_sample = 16;  // every k_sample-th group of 8 slots is looked at
 constexpr int k_wall_sample = 16;      // and every k_wall_sample-th row near a wall
 

@@ -65,12 +65,12 @@ class SkinTuner {
   bool sampled_ = false;  ///< the present list was looked at: slots_ and gain_ are its own
   int rest_ = 0;          ///< intervals to come that need no look
   double k_ = 0, floor_ = 0, wanted_ = 0;
-  std::int64_t ended_ = -1;                         ///< step of the last call of interval_ends
-  std::int64_t cut_ = 0;                            ///< last step whose rebuild came before a skin was used up
-  double spacing_ = 0;                              ///< steps between such rebuilds: longer skins are wasted
-  double slots_ = 0, contacts_ = 0, gain_ = 0;      ///< of the present list: slots, contacts, dP / d ln skin
-  double wall_pairs_ = 0, wall_gain_ = 0;           ///< the same for walls
-  Ticks begin_;                                     ///< when the present list was made
+  std::int64_t ended_ = -1;                     ///< step of the last call of interval_ends
+  std::int64_t cut_ = 0;                        ///< last step whose rebuild came before a skin was used up
+  double spacing_ = 0;                          ///< steps between such rebuilds: longer skins are wasted
+  double slots_ = 0, contacts_ = 0, gain_ = 0;  ///< of the present list: slots, contacts, dP / d ln skin
+  double wall_pairs_ = 0, wall_gain_ = 0;       ///< the same for walls
+  Ticks begin_;                                 ///< when the present list was made
   RecentMedian rebuild_, cut_list_, pair_, wall_pair_, step_;  ///< [ticks]
   double cuts_ = 0, cuts_each_ = 0;  ///< cuts since the last rebuild; between two rebuilds, as an average
 };

@@ -125,6 +125,7 @@ struct Chunk {
   std::vector<double> wall_radius;  ///< only with adhesion: R_C of each row towards a wall [m]
   std::vector<std::int32_t> wall_element;
   std::vector<float> wall_distance;   ///< lower bound of each element's distance when the list was made [m]
+  std::vector<float> wall_nearest;    ///< least wall_distance of each row [m]
   std::vector<WallState> wall_state;  ///< contacts of the last step, ascending (row, wall, element)
   std::vector<WallState> wall_next;
   std::vector<Vec3> wall_force;                       ///< on the particle, parallel to wall_state
@@ -243,8 +244,8 @@ struct World {
   int graph_lanes = 0;  ///< loops over chunks that the step graph was built with
   ScratchPool scratch;
   ChunkShares shares;
-  /// Some chunk has something to say about the last step: leavers, a failure, samples of the monitor. Nearly always none
-  /// has, and a check that visits every chunk fetches a cache line of each from the core that worked on it.
+  /// Some chunk has something to say about the last step: leavers, a failure, samples of the monitor. Nearly always
+  /// none has, and a check that visits every chunk fetches a cache line of each from the core that worked on it.
   std::atomic<bool> news{true};
   std::atomic<bool> any_expired{true};  ///< some chunk's list has expired; set before false, so never too late
 
@@ -274,8 +275,8 @@ struct World {
   std::int64_t last_rebuild_step = 0;
   double loss_damping = 0, loss_friction = 0, loss_background = 0, wall_work = 0, inserted_energy = 0;
   std::vector<StepWork> step_work;  ///< by block of k_energy_block rows; with energies only
-  double drive_power = 0;   ///< of moving walls and driven grains at the last step, times dt [J]
-  double gravity_work = 0;  ///< along periodic axes, where a height means nothing
+  double drive_power = 0;           ///< of moving walls and driven grains at the last step, times dt [J]
+  double gravity_work = 0;          ///< along periodic axes, where a height means nothing
   double start_energy = 0;
   bool start_energy_known = false;
   std::atomic<bool> failed{false};
@@ -321,9 +322,9 @@ class PartClock {
 // --- state.cpp: storage -------------------------------------------------------------------------------------------
 void set_particle_capacity(World& w, Row n);  ///< resizes columns to n rows (+ dead row), keeps content
 void append_particles(World& w, const NewParticles& a, bool at_start);
-void need_chunks(World& w, int count);                       ///< adds empty ones where there are fewer
-void make_chunks(World& w);                                  ///< cuts rows into chunks; keeps existing ones in place
-void remove_row(World& w, Row i);                            ///< marks a row dead (I2), counts it
+void need_chunks(World& w, int count);  ///< adds empty ones where there are fewer
+void make_chunks(World& w);             ///< cuts rows into chunks; keeps existing ones in place
+void remove_row(World& w, Row i);       ///< marks a row dead (I2), counts it
 /// Contacts whose lower row is the chunk's, ascending (a, b): over all chunks each contact once, in ascending order.
 std::vector<ContactEntry> contacts_of(const World& w, const Chunk& c);
 std::vector<WallEntry> collect_wall_states(const World& w);

@@ -14,7 +14,7 @@ NONE = "none"  # the paper's "without Verlet buffer": a rebuild at every step
 K_SWEEP = [0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]
 UNIFORM_R = 1.0  # of the radius: the rival that the paper names
 UNIFORM_TUNED = [0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.08, 0.05, 0.03]
-UNIFORM_QUICK = [0.5, 0.25, 0.12, 0.06]
+UNIFORM_FEW = [0.5, 0.25, 0.12, 0.06]
 SWEPT = ["paper", "local"]
 # The other policies: those with K at two of it, those with one skin for all at two skins (radii of the smallest grain).
 ONE_SKIN = ("two_largest", "accumulated")
@@ -67,8 +67,10 @@ def sweep(policy, ks):
     return [Point(policy, k, (f"list.policy={policy}", f"list.verlet_k={k}")) for k in ks]
 
 
-def points(offered, auto, series, ks, tuned=tuple(UNIFORM_TUNED)):
-    """All points of one case. offered: the policies of this build, auto: it can choose K itself, tuned: uniform skins."""
+def points(offered, auto, series, ks, few=False):
+    """All points of one case. offered: the policies of this build, auto: it can choose K itself, few: fewer uniform skins and
+    the other policies at one setting each."""
+    tuned, other_k, other_skins = (UNIFORM_FEW, OTHER_K[-1:], OTHER_SKINS[-1:]) if few else (UNIFORM_TUNED, OTHER_K, OTHER_SKINS)
     out = [Point(NONE, None, ("list.policy=always",))]
     for policy in SWEPT:
         if policy in series:
@@ -76,14 +78,14 @@ def points(offered, auto, series, ks, tuned=tuple(UNIFORM_TUNED)):
     if "uniform" in series:
         out += [Point("uniform", s, ("list.policy=uniform", f"list.uniform_skin={s}")) for s in [UNIFORM_R, *tuned]]
     if "others" in series:
-        out += [Point("paper + floor", k, ("list.policy=local", f"list.verlet_k={k}", "list.acceleration=false")) for k in OTHER_K]
+        out += [Point("paper + floor", k, ("list.policy=local", f"list.verlet_k={k}", "list.acceleration=false")) for k in other_k]
         for policy in offered:
             if policy == "fixed":
                 out += [Point(policy, FIXED_INTERVAL, (f"list.policy={policy}", f"list.interval={FIXED_INTERVAL}", f"list.uniform_skin={FIXED_SKIN}"))]
             elif policy in ONE_SKIN:
-                out += [Point(policy, s, (f"list.policy={policy}", f"list.uniform_skin={s}")) for s in OTHER_SKINS]
+                out += [Point(policy, s, (f"list.policy={policy}", f"list.uniform_skin={s}")) for s in other_skins]
             elif policy not in ("always", "uniform", *SWEPT):
-                out += [Point(policy, k, (f"list.policy={policy}", f"list.verlet_k={k}")) for k in OTHER_K]
+                out += [Point(policy, k, (f"list.policy={policy}", f"list.verlet_k={k}")) for k in other_k]
         if auto:
             out.append(Point("auto", None, ("list.policy=local", 'list.verlet_k="auto"')))
     return out
