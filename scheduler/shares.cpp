@@ -88,6 +88,14 @@ int ChunkShares::take_from(std::size_t share, bool own) noexcept {
   }
 }
 
+int ChunkShares::next(int slot) const noexcept {
+  if (slot < 0 || static_cast<std::size_t>(slot) + 1 >= bounds_.size()) return -1;
+  const auto share = static_cast<std::size_t>(slot);
+  const Left left = left_of(share, shares_[share].word.load(std::memory_order_relaxed));
+  if (left.first >= left.end) return -1;
+  return static_cast<int>((round_ & 1U) == 0 ? left.first : left.end - 1);
+}
+
 int ChunkShares::take(int slot) noexcept {
   const std::size_t shares = bounds_.size() - 1;
   if (slot >= 0 && static_cast<std::size_t>(slot) < shares)

@@ -31,6 +31,8 @@ class ChunkShares {
   /// A chunk for the calling thread of this slot (-1: none): the next of its own share, else the last one of the share
   /// with most left; -1 where every chunk of the round is taken.
   int take(int slot) noexcept;
+  /// The chunk that take() will most likely give this slot next, or -1.
+  int next(int slot) const noexcept;
   /// First chunk of every thread's share, and the number of chunks.
   const std::vector<int>& bounds() const noexcept { return bounds_; }
 

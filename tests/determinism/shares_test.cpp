@@ -48,7 +48,11 @@ TEST(ChunkShares, OwnChunksFirstInTurningOrderThenTheFarEndOfTheFullestShare) {
   for (int round = 0; round < 2; ++round) {
     shares.begin_round();
     std::vector<int> order;
-    for (int k = 0; k < 8; ++k) order.push_back(shares.take(1));
+    for (int k = 0; k < 8; ++k) {
+      const int next = shares.next(1);
+      order.push_back(shares.take(1));
+      EXPECT_EQ(next, k < 4 ? order.back() : -1);  // of the own share alone
+    }
     rounds.push_back(order);
   }
   std::sort(rounds.begin(), rounds.end());
