@@ -60,7 +60,8 @@ class Summary:
                 "nodes_s": total, "steps": last["steps"], "rebuilds": last["rebuilds"],
                 "broad_percent": 100 * last["rebuilds"] / last["steps"], "pairs_per_contact":
                 last["candidates"] / max(last["contacts"], 1), "few_intervals": last["rebuilds"] < ENOUGH_INTERVALS,
-                "missed_contacts": next((m for r in rows if (m := r.get("missed_contacts")) is not None), None)}
+                "missed_contacts": next((m for r in rows if (m := r.get("missed_contacts")) is not None), None),
+                "audited_steps": last.get("audited_steps")}
 
     def series(self, name):
         return sorted((p for p in self.points.values() if p["series"] == name), key=lambda p: p["value"])

@@ -9,7 +9,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from . import findings, plan, runner  # noqa: E402
+from . import findings, plan  # noqa: E402
 
 COLOURS = ["#1f6f8b", "#d1792a", "#5a8f3d", "#a8436b", "#6a5aa8", "#8a6d3b", "#3c9d9b"]
 STYLE = """body{font:15px/1.5 system-ui,sans-serif;color:#1c2430;max-width:1100px;margin:2em auto;padding:0 1em}h1{font-size:1.6em}
@@ -119,7 +119,7 @@ def bounds_table(some):
 
 def exactness(p):
     missed = p["missed_contacts"]
-    return "yes" if missed is None else f"no: {missed} contacts missed in {runner.AUDITED} steps"
+    return "yes" if missed is None else f"no: {missed} contacts missed in {p['audited_steps']} steps"
 
 
 def figure_svg(fig):

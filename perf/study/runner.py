@@ -16,7 +16,7 @@ import time
 from . import findings, plan
 
 PHYSICS = 4     # exit code of a run that its physics stopped
-AUDITED = 100  # steps of the run that counts missed contacts, each by a sweep over all grains
+AUDITED = 2_000_000  # grain-steps of the run that counts missed contacts, at least 20 steps, each a sweep over all grains
 QUIET = ["output.particles_every=0", "output.csv_every=0", "output.energies=false"]
 
 
@@ -167,18 +167,21 @@ class Study:
         nodes = {n["name"]: n["seconds"] for n in s["nodes"]}
         calls = {n["name"]: n["calls"] for n in s["nodes"]}
         # once per point: every repeat misses the same ones
-        missed = self.missed(case, point, first, checkpoint) if point.series in findings.INEXACT and repeat == 0 else None
-        return {"key": key, "case": case.name, "missed_contacts": missed, "point": point.name, "series": point.series, "value": point.value, "repeat": repeat,
+        audited = min(300, max(20, AUDITED // max(1, s["particles"])))
+        missed = None
+        if point.series in findings.INEXACT and repeat == 0:
+            missed = self.missed(case, point, first, checkpoint, audited)
+        return {"key": key, "case": case.name, "missed_contacts": missed, "audited_steps": audited, "point": point.name, "series": point.series, "value": point.value, "repeat": repeat,
                 "steps": steps, "wall_s": s["wall_s"], "nodes": nodes, "rebuilds": calls.get("rebuild", 0), "elapsed_s": elapsed,
                 "sort_epochs": calls.get("sort_epoch", 0), "candidates": s["candidate_pairs"], "contacts": s["contacts"],
                 "particles": s["particles"], "state_hash": s["state_hash"], "shortest_interval": s["shortest_interval"],
                 "threads": s["threads"], "isa": s["isa"], "version": s["version"], "load": os.getloadavg()[0]}
 
-    def missed(self, case, point, first, checkpoint):
-        """Contacts that an inexact policy misses in AUDITED steps, counted by an untimed run that checks every step."""
-        say(f"{case.name}: {point.name}, counting missed contacts in {AUDITED} steps")
+    def missed(self, case, point, first, checkpoint, steps):
+        """Contacts that an inexact policy misses in `steps` steps, counted by an untimed run that checks every step."""
+        say(f"{case.name}: {point.name}, counting missed contacts in {steps} steps")
         out = self.output([self.args.talus, "run", self.scene(case), "--resume", checkpoint, "--out", os.path.join(self.args.out, "audit"),
-                          "--overwrite", "--quiet", "--json", "--audit", "--threads", str(self.args.threads), "--steps", str(first + AUDITED),
+                          "--overwrite", "--quiet", "--json", "--audit", "--threads", str(self.args.threads), "--steps", str(first + steps),
                           *sets(self.overrides(case) + list(point.sets))])
         return json.loads(out[out.index("{"):])["missed_contacts"]
 
