@@ -119,6 +119,8 @@ def bounds_table(some):
 
 def exactness(p):
     missed = p["missed_contacts"]
+    if missed is None and p["series"] in findings.INEXACT:
+        return "no: misses not counted"
     return "yes" if missed is None else f"no: {missed} contacts missed in {p['audited_steps']} steps"
 
 

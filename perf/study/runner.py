@@ -169,7 +169,7 @@ class Study:
         # once per point: every repeat misses the same ones
         audited = min(300, max(20, AUDITED // max(1, s["particles"])))
         missed = None
-        if point.series in findings.INEXACT and repeat == 0:
+        if point.series in findings.INEXACT and repeat == 0 and not self.args.no_audit:
             missed = self.missed(case, point, first, checkpoint, audited)
         return {"key": key, "case": case.name, "missed_contacts": missed, "audited_steps": audited, "point": point.name, "series": point.series, "value": point.value, "repeat": repeat,
                 "steps": steps, "wall_s": s["wall_s"], "nodes": nodes, "rebuilds": calls.get("rebuild", 0), "elapsed_s": elapsed,
