@@ -3,7 +3,8 @@
 Who calls it: schedule.py. No I/O except reading the trace; the same seed gives the same numbers.
 
 The model. A step is: displacement_check (serial), a fan-out to the lanes (one per core), in each lane for one chunk after another
-narrow_phase -> contact_force -> (wall_contact) -> integrate until none is left, a join. A rebuild is the sequence of serial parts and parallel loops that the trace shows. Durations
+narrow_phase -> contact_force -> (wall_contact) -> integrate until none is left, a join. A rebuild is the sequence of serial parts and
+parallel loops that the trace shows. Durations
 are those measured, chunk by chunk; a larger system draws from them. Scheduling follows oneTBB 2021.8 (its sources):
   - a finished node runs one ready successor on the same thread at once and puts the others at the end of its own queue; the owner
     takes from the end, a thief from the front;
