@@ -329,7 +329,7 @@ def main():
     bytes_per_particle = args.bytes or some.facts["bytes"] / some.facts["particles"]
     memory = model.Memory(bytes_per_particle, args.bandwidth * 1e9, args.l2 * 1e6, args.l3 * 1e6, args.socket)
     print(f"stated: {bytes_per_particle:.0f} B per particle-step; sockets of {args.socket} cores with {args.bandwidth:.0f} GB/s, L3 "
-          f"{args.l3:.0f} MB, L2 {args.l2:.0f} MB per core; steal {args.steal} us, failed attempt {args.attempt} us, wake-up "
+          f"{args.l3:.0f} MB, L2 {args.l2:.0f} MB per core; queueing a task {1e6 * model.Costs.spawn:.1f} us, steal {args.steal} us, failed attempt {args.attempt} us, wake-up "
           f"{args.wake} us; a rebuild every {interval:.0f} steps, a sort epoch every {args.sort_every}")
     checks = []
     if not args.no_check:

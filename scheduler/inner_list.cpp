@@ -112,7 +112,6 @@ bool cut_lists(World& w) {
   w.frame.built = w.step;
   w.frame.mean_skin = w.alive > 0 ? skins / static_cast<double>(w.alive) : 0;
   for_chunks(w, [](World& world, Chunk& c) {
-    c.expired = 0;
     ListScratch* t = world.list_scratch.take();
     replace_list(world, c, *t, cut_sections(world, c, *t, nullptr));
     world.list_scratch.give(t);

@@ -304,9 +304,10 @@ std::int64_t audit_lists(const World& w) {
 std::size_t bytes_of(const World& w) {
   const auto size = [](const auto& c) { return c.capacity() * sizeof(c[0]); };
   std::size_t b = size(w.p) + size(w.p2) + size(w.v) + size(w.v2) + size(w.x0) + size(w.id) + size(w.material) +
-                  size(w.fixed) + size(w.group) + size(w.energy) + size(w.next_skin) + size(w.outer) + size(w.near) +
-                  size(w.cell_of_row) + size(w.place_in_cell) + size(w.sx) + size(w.sy) + size(w.sz) + size(w.sr) +
-                  size(w.reach) + size(w.sorted_row) + size(w.cell_start) + w.list_scratch.bytes() + w.scratch.bytes();
+                  size(w.fixed) + size(w.group) + size(w.energy) + size(w.step_work) + size(w.next_skin) +
+                  size(w.outer) + size(w.near) + size(w.cell_of_row) + size(w.place_in_cell) + size(w.sx) + size(w.sy) +
+                  size(w.sz) + size(w.sr) + size(w.reach) + size(w.sorted_row) + size(w.cell_start) +
+                  w.list_scratch.bytes() + w.scratch.bytes();
   if (w.has.walls) b += w.walls.bytes();
   for (const auto& c : w.chunks) {
     b += size(c->outer_i) + size(c->outer_j) + size(c->pi) + size(c->pj) + size(c->mask) + size(c->wall_row) +

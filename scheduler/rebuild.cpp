@@ -247,7 +247,6 @@ void rebuild_lists(World& w) {
     w.walls.mark(wall_k(w), w.scene.dt, 0.0, w.scene.list.policy == ListPolicy::always ? 0.0 : 0.5 * w.r_min);
   for_chunks(w, [](World& world, Chunk& c) {
     PartClock parts(c);
-    c.expired = 0;
     c.travel[0] = c.travel[1] = 0;
     ListScratch* t = world.list_scratch.take();
     Sections list = search_chunk(world, c, *t);

@@ -247,7 +247,7 @@ struct World {
   /// Some chunk has something to say about the last step: leavers, a failure, samples of the monitor. Nearly always
   /// none has, and a check that visits every chunk fetches a cache line of each from the core that worked on it.
   std::atomic<bool> news{true};
-  std::atomic<bool> any_expired{true};  ///< some chunk's list has expired; set before false, so never too late
+  std::atomic<bool> any_expired{true};  ///< some row has used up its skin since the lists were made
 
   // broad phase
   SkinRule skin;
