@@ -24,7 +24,8 @@ import schedule_model as model
 import states
 
 ROOT = os.path.dirname(states.HERE)
-MARKS = ((125000, 28, 0.80), (500000, 64, 0.70))
+MARKS = ((125000, 28, 0.80), (500000, 64, 0.70))  # judged for the chunks that the engine chooses on so many threads
+BEDS = {125000: 128000, 500000: 512000}  # the state that it is asked about
 
 
 def scene_arguments(scene, size):
@@ -80,6 +81,15 @@ def read(args, path):
     for name in args.leave_out:
         setattr(rec, name, None)
     return rec
+
+
+def own_chunk(args, particles, threads):
+    """Rows of the chunks that the engine chooses."""
+    command = [args.talus, "explain"] + scene_arguments("settle", BEDS[particles]) + ["--threads", str(threads), "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise SystemExit(f"schedule.py: {' '.join(command)}\n{done.stderr}")
+    return json.loads(done.stdout)["chunk"]
 
 
 def recordings_of(args):
@@ -227,10 +237,12 @@ def print_marks(args, rows):
         if particles not in args.particles or cores not in args.cores:
             continue
         best = best_of(rows, particles, cores, args.fan_out)
-        ok = best["efficiency"] >= mark
+        own = best_of([r for r in rows if r["chunk"] == args.own[particles, cores]], particles, cores, args.fan_out)
+        ok = own["efficiency"] >= mark
         held = held and ok
-        print(f"mark: {particles} particles on {cores} cores >= {100 * mark:.0f} %: predicted {100 * best['efficiency']:.1f} % "
-              f"with chunk {best['chunk']} ({args.fan_out} fan-out): {'holds' if ok else 'DOES NOT HOLD'}")
+        print(f"mark: {particles} particles on {cores} cores >= {100 * mark:.0f} %: predicted {100 * own['efficiency']:.1f} % "
+              f"with the engine's own chunk of {own['chunk']}, {100 * best['efficiency']:.1f} % with the best one, {best['chunk']} "
+              f"({args.fan_out} fan-out): {'holds' if ok else 'DOES NOT HOLD'}")
     return held
 
 
@@ -306,6 +318,8 @@ def parse_arguments():
     args = p.parse_args()
     args.talus, args.out = os.path.abspath(args.talus), os.path.abspath(args.out)
     args.fan_outs = ["tree", "flat"] if args.compare else [args.fan_out]
+    args.own = {(n, cores): own_chunk(args, n, cores) for n, cores, _ in MARKS}
+    args.chunks = sorted({*args.chunks, *args.own.values()})
     return args
 
 
@@ -346,7 +360,7 @@ def main():
     print_kinds(args, rows)
     held = print_marks(args, rows)
     with open(os.path.join(args.out, "schedule.json"), "w") as f:
-        json.dump({"arguments": {k: v for k, v in vars(args).items()}, "rebuild_every": interval, "check": checks,
+        json.dump({"arguments": {k: v for k, v in vars(args).items() if k != "own"}, "rebuild_every": interval, "check": checks,
                    "predictions": rows}, f, indent=1)
     plot(args, rows)
     return 1 if args.mark and not held else 0

@@ -2,10 +2,11 @@
 
 Who calls it: schedule.py. No I/O except reading the trace; the same seed gives the same numbers.
 
-The model. A step is: displacement_check (serial), a fan-out to the lanes (one per core), in each lane for one chunk after another
-narrow_phase -> contact_force -> (wall_contact) -> integrate until none is left, a join. A rebuild is the sequence of serial parts and
-parallel loops that the trace shows. Durations
-are those measured, chunk by chunk; a larger system draws from them. Scheduling follows oneTBB 2021.8 (its sources):
+The model. A step is: displacement_check (serial), the lanes (one per core), in each lane for one chunk after another
+narrow_phase -> contact_force -> (wall_contact) -> integrate until none is left, a join. After a step without a rebuild lanes wait for
+the next one in place (scheduler/step_gate.hpp) and see it begin one after another; after a rebuild they are handed out as tasks, as
+are the blocks of its loops. A rebuild is the sequence of serial parts and parallel loops that the trace shows. Durations
+are those measured, chunk by chunk; a larger system draws from them. Scheduling of tasks follows oneTBB 2021.8 (its sources):
   - a finished node runs one ready successor on the same thread at once and puts the others at the end of its own queue; the owner
     takes from the end, a thief from the front;
   - a thread without work picks one victim at random; a failed attempt costs a pause of 1000 cycles; after some hundred failures it
@@ -36,6 +37,9 @@ class Costs:
     attempt: float = 0.4e-6   # a failed attempt: prolonged_pause(), 1000 cycles
     asleep_after: float = 150e-6  # idle time after which a worker sleeps: 100 yields and 2 (threads + 1) pauses
     wake: float = 20e-6       # waking it: 5 to 50 us
+    seen: float = 0.2e-6      # until the first waiting lane sees the step begin: a line written by another core
+    seen_next: float = 0.02e-6  # and each further one: the line is handed out to one after another
+    patience: float = 40e-6   # a lane that has waited for longer ends and has to be handed out again
 
 
 @dataclass
@@ -229,10 +233,11 @@ class Machine:
         self.idle_since[0] = self.now
         self.busy += seconds
 
-    def fork_join(self, durations, tree, shares=None):
+    def fork_join(self, durations, tree, shares=None, waiting=False):
         """Runs tasks of the given durations from worker 0; tree: ranges are halved and handed on, otherwise worker 0 queues every
         task itself. shares: bounds of the workers' shares of the durations; the tasks are then lanes, one per worker, each of which
-        takes one duration after another until none is left. Sets now to the end of the last one."""
+        takes one duration after another until none is left. waiting: the lanes wait on their workers since the last step. Sets now to
+        the end of the last one."""
         c, p = self.costs, self.cores
         if p == 1:
             self.now += sum(durations) + (c.turn if shares else c.spawn) * len(durations)
@@ -246,7 +251,7 @@ class Machine:
         left = tasks
         end = self.now
         events = []
-        for w in range(1, p):
+        for w in range(1, 1 if waiting else p):
             asleep = self.now - self.idle_since[w] > c.asleep_after
             events.append((self.now + (c.wake * self.random.uniform(0.5, 1.5) if asleep else c.attempt * self.random.random()), w, False))
         heapq.heapify(events)
@@ -273,7 +278,8 @@ class Machine:
                 left -= 1
                 end = max(end, t)
                 self.idle_since[w] = t
-                heapq.heappush(events, (t, w, False))
+                if not waiting:
+                    heapq.heappush(events, (t, w, False))
                 return
             self.busy += durations[k]
             heapq.heappush(events, (t + durations[k] + c.turn, w, True))
@@ -302,7 +308,15 @@ class Machine:
             self.idle_since[w] = t
             heapq.heappush(events, (t, w, False))
 
-        execute(0, self.now, 0, tasks)
+        if waiting:
+            t = self.now + c.seen
+            for w in self.random.sample(range(1, p), p - 1)[:tasks - 1]:
+                late = c.steal + c.attempt if self.now - self.idle_since[w] > c.patience else 0
+                heapq.heappush(events, (t + late, w, True))
+                t += c.seen_next
+            advance(0, self.now)
+        else:
+            execute(0, self.now, 0, tasks)
         while left > 0:
             t, w, in_lane = heapq.heappop(events)
             if in_lane:
@@ -363,29 +377,36 @@ def simulate(rec, particles, cores, costs, memory, tree, rebuild_every, samples=
     chunks = max(1, -(-particles // chunk))
     factor = particles / rec.facts["particles"]
     per_particle = memory.seconds_per_particle(cores, particles)
-    machine = Machine(cores, costs, seed)
     all_chains = [[sum(c.values()) for c in step] for step in rec.chains]
-    steps, limited = [], 0
     hops = (len(rec.kinds) - 1) * costs.hop
-    longest = 0.0
+    shares = equal_shares(chunks, cores)
+
+    def one_step(machine, durations, waiting):
+        begin = machine.now
+        machine.serial(rec.check)  # of the same length whatever the chunks: none but those with news are visited
+        machine.fork_join(durations, tree, shares, waiting)
+        machine.serial(costs.join)
+        return machine.now - begin
+
+    steps, extras, busy, limited, longest = [], [], 0.0, 0, 0.0
     for s in range(samples):
-        pool = all_chains[s * len(all_chains) // samples]
-        durations = resampled(pool, chunks, rng)
+        durations = resampled(all_chains[s * len(all_chains) // samples], chunks, rng)
         least = per_particle * particles / chunks
         limited += sum(d < least for d in durations)
         durations = [max(d, least) + hops for d in durations]
         longest = max(longest, max(durations))
-        begin = machine.now
-        machine.serial(rec.check)  # of the same length whatever the chunks: none but those with news are visited
-        machine.fork_join(durations, tree, equal_shares(chunks, cores))
-        machine.serial(costs.join)
-        steps.append(machine.now - begin)
-    step = sum(steps) / len(steps)
-    result = {"step": step, "busy_step": machine.busy / samples, "longest_chain": longest,
+        machine = Machine(cores, costs, seed + s)
+        handed_out = one_step(machine, durations, False)
+        before = machine.busy
+        steps.append(one_step(machine, durations, True))
+        busy += machine.busy - before
+        extras.append(max(0.0, handed_out - steps[-1]))  # of the step after a rebuild
+    step, extra = sum(steps) / samples, sum(extras) / samples
+    result = {"step": step, "busy_step": busy / samples, "longest_chain": longest, "hand_out": extra,
               "bandwidth_limited": limited / (samples * chunks), "chunks": chunks}
     sort_every = rec.facts["sort_every"]
     rates = {"rebuild": 1 / rebuild_every + 1 / sort_every, "sort_epoch": 1 / sort_every}
-    total = step
+    total = step + extra * rates["rebuild"]
     critical = rec.check + costs.spawn + longest + costs.join
     for name, rate in rates.items():
         parts = getattr(rec, name)

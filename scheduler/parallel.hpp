@@ -35,6 +35,7 @@ void parallel(World& w, int n, F fn) {
     timed(0);
     return;
   }
+  w.gate.dismiss();  // the threads of waiting lanes are wanted here
   tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, n, timed, tbb::simple_partitioner{}); });
 }
 

@@ -23,8 +23,11 @@
 // share, or of another one's when that is used up (shares.hpp), so lanes balance themselves. Only narrow_phase is a
 // task; the nodes behind it run within it (lightweight). With a task for every node and chunk the scheduler took 0.38
 // us per chunk of one thread instead of 0.22, and on many threads all of them met in one join.
+// A lane without chunks reports to the join and waits for the next step in place (step_gate.hpp), unless that begins
+// with a rebuild: then, and for any other loop over chunks, the threads are sent away and start hands out all lanes.
 #include <oneapi/tbb/flow_graph.h>
 #include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
@@ -54,6 +57,7 @@ class TimedRun {
 
 /// One of the loops over chunks of the step graph, and the chunk that it works on.
 struct alignas(128) Lane {
+  int index;
   Chunk* chunk = nullptr;
 };
 
@@ -372,7 +376,9 @@ void run_graph(World& w, std::int64_t target) {
       Check displacement_check(g, unlimited, [&w, target](const Go&, Check::output_ports_type& ports) noexcept {
         Decision d;
         guarded(w, -1, [&] { d = check_step(w, target); });
-        if (d.stop || w.failed.load()) return;
+        const bool stop = d.stop || w.failed.load();
+        if (stop || d.rebuild) w.gate.dismiss();
+        if (stop) return;
         if (d.rebuild)
           std::get<0>(ports).try_put(Go());
         else
@@ -399,10 +405,17 @@ void run_graph(World& w, std::int64_t target) {
       const auto audit = [&w] {
         if (w.options.audit) w.counters.missed_contacts += audit_lists(w);
       };
-      function_node<Go, Go, lightweight> start(g, unlimited, [&w, audit](const Go&) noexcept {
+      std::deque<Narrow> first;  // of every lane
+      using Start = multifunction_node<Go, std::tuple<Go>, lightweight>;
+      Start start(g, unlimited, [&w, &first, audit](const Go&, Start::output_ports_type& ports) noexcept {
         guarded(w, -1, audit);
         w.shares.begin_round();
-        return Go();
+        if (w.gate.dismissed()) {
+          w.gate.started();
+          std::get<0>(ports).try_put(Go());
+        } else {
+          w.gate.open([&first](std::uint16_t lane) { first[lane].try_put(Go()); });
+        }
       });
       continue_node<Go, lightweight> join(g, [&w](const Go&) noexcept {
         guarded(w, -1, [&] { finish_step(w); });
@@ -410,11 +423,12 @@ void run_graph(World& w, std::int64_t target) {
       });
       std::deque<continue_node<Go>> forks;
       std::deque<continue_node<Go, lightweight>> inner;
-      std::deque<Narrow> first;  // of every lane
       w.graph_lanes = lanes_of(w);
       w.shares.prepare(static_cast<int>(w.chunks.size()), w.threads);
+      w.gate.prepare(w.graph_lanes, w.threads <= tbb::info::default_concurrency());
       std::vector<Lane> lanes(static_cast<std::size_t>(w.graph_lanes));
       for (Lane& lane : lanes) {
+        lane.index = static_cast<int>(&lane - lanes.data());
         const auto add = [&](void (*work)(World&, Chunk&)) -> continue_node<Go, lightweight>& {
           return inner.emplace_back(g, [&w, &lane, work](const Go&) noexcept {
             guarded(w, lane.chunk->index, [&] { work(w, *lane.chunk); });
@@ -423,10 +437,13 @@ void run_graph(World& w, std::int64_t target) {
         };
         auto& narrow_phase =
             first.emplace_back(g, unlimited, [&w, &lane](const Go&, Narrow::output_ports_type& ports) noexcept {
-              const int k = w.shares.take(thread_slot(w));
-              if (k < 0) {
+              const int slot = thread_slot(w);
+              int k = w.shares.take(slot);
+              while (k < 0) {
+                const std::uint32_t round = w.gate.round();
                 std::get<1>(ports).try_put(Go());
-                return;
+                if (!w.gate.await(round, lane.index)) return;
+                k = w.shares.take(slot);
               }
               lane.chunk = w.chunks[static_cast<std::size_t>(k)].get();
               guarded(w, k, [&] { narrow_chunk(w, *lane.chunk); });
@@ -454,7 +471,7 @@ void run_graph(World& w, std::int64_t target) {
         make_edge(half, self(self, (lo + hi) / 2, hi));
         return half;
       };
-      make_edge(start, fan_out(fan_out, 0, first.size()));
+      make_edge(output_port<0>(start), fan_out(fan_out, 0, first.size()));
       if (inserts) {
         make_edge(output_port<0>(displacement_check), insert);
         make_edge(insert, rebuild);

@@ -22,6 +22,7 @@
 #include "scheduler/monitor.hpp"
 #include "scheduler/profile.hpp"
 #include "scheduler/shares.hpp"
+#include "scheduler/step_gate.hpp"
 #include "scheduler/simulation.hpp"
 #include "scheduler/skin_check.hpp"
 #include "scheduler/tuner.hpp"
@@ -244,6 +245,7 @@ struct World {
   int graph_lanes = 0;  ///< loops over chunks that the step graph was built with
   ScratchPool scratch;
   ChunkShares shares;
+  StepGate gate;
   /// Some chunk has something to say about the last step: leavers, a failure, samples of the monitor. Nearly always
   /// none has, and a check that visits every chunk fetches a cache line of each from the core that worked on it.
   std::atomic<bool> news{true};
