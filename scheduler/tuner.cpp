@@ -24,7 +24,7 @@ constexpr int k_rest = 3;
 // optimum is flat, 1.25 costs (1.25 + 1 / 1.25) / 2 - 1 = 2.5 % of the lists' own cost, 2 costs 25 %. With a velocity
 // profile, where that cost is some 6 % of a step, K = 200 was as fast as what the model takes for the optimum, 100 to
 // 140.
-constexpr double k_share = 0.042, k_longer = 1.25, k_longer_profile = 2;
+constexpr double k_share = 0.037, k_longer = 1.25, k_longer_profile = 2;
 constexpr std::int64_t k_sample = 16;  // every k_sample-th group of 8 slots is looked at
 constexpr int k_wall_sample = 16;      // and every k_wall_sample-th row near a wall
 
@@ -170,9 +170,10 @@ void SkinTuner::interval_ends(World& w) {
   }
   rest_ = 0;
   const Ticks now = ticks(w);
-  // Rows and contacts have their part in the narrow phase, in slots: 0.45 and 0.2 (fit to a flowing and a resting bed
-  // of 32k grains, skins 0.005 to 0.05 d: 2.3 and 2.5 ns per further slot).
-  const double work = slots_ + 0.45 * static_cast<double>(w.alive) + 0.2 * contacts_;
+  // Rows and contacts have their part in the narrow phase, in slots: 0.9 and 0.1. A further slot costs 0.9 ns whatever
+  // the bed (uniform skins of 0.01 to 0.1 d, AMD Zen 5); what is left is worth 0.4 slots per row at rest, 1.0 and 1.6
+  // in flowing beds of 32k and 128k grains.
+  const double work = slots_ + 0.9 * static_cast<double>(w.alive) + 0.1 * contacts_;
   // less: the profile was restarted in between
   if (now.narrow > begin_.narrow && now.walls >= begin_.walls && now.step > begin_.step && sampled_) {
     const auto n = static_cast<double>(steps);
