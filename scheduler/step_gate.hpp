@@ -57,7 +57,9 @@ class StepGate {
   }
   /// Sends all waiting lanes away: their threads are wanted elsewhere, or nothing is left to do.
   void dismiss() noexcept {
-    if (!std::exchange(dismissed_, true)) advance(k_dismissed);
+    if (dismissed_) return;
+    dismissed_ = true;
+    advance(k_dismissed);
   }
   /// All lanes have been started.
   void started() noexcept { dismissed_ = false; }

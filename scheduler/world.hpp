@@ -22,9 +22,9 @@
 #include "scheduler/monitor.hpp"
 #include "scheduler/profile.hpp"
 #include "scheduler/shares.hpp"
-#include "scheduler/step_gate.hpp"
 #include "scheduler/simulation.hpp"
 #include "scheduler/skin_check.hpp"
+#include "scheduler/step_gate.hpp"
 #include "scheduler/tuner.hpp"
 
 namespace talus {
@@ -409,7 +409,7 @@ double kinetic_energy_of(const World& w);
 Frame frame_of(World& w, const FrameRequest& request);
 Plan plan_of(const World& w);
 std::size_t bytes_of(const World& w);
-std::int64_t audit_lists(const World& w);  ///< touching pairs that the list lacks, by sort and sweep
+std::int64_t audit_lists(const World& w);  ///< what touches and is in no list (audit.cpp)
 
 /// Runs fn(chunk) over all chunks in parallel, each on the thread of its share, isolated from the graph (a waiting
 /// thread may steal no graph node).
