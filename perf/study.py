@@ -38,7 +38,7 @@ def arguments():
     parser.add_argument("--cases", help="names, with commas (all)")
     parser.add_argument("--series", default="paper,local,uniform,others", help="what is swept (paper,local,uniform,others)")
     parser.add_argument("--k", help="other values of K, with commas")
-    parser.add_argument("--no-audit", action="store_true", help="do not count what inexact lists miss (a sweep per step: 15 s and more with the powder of levelling)")
+    parser.add_argument("--no-audit", action="store_true", help="do not count what inexact lists miss (a sweep over all grains per step)")
     parser.add_argument("--repeats", type=int, help="of every point (3; quick 2)")
     parser.add_argument("--steps", type=int, help="timed steps of a run (5000; quick 1000)")
     parser.add_argument("--warm", type=int, help="untimed steps before them (200)")
