@@ -55,7 +55,8 @@ void add_run_options(CLI::App& app, Options& o) {
   app.add_option("--trace-steps", o.trace_steps, "number of traced steps (default 200)")->check(CLI::PositiveNumber);
   app.add_flag("--profile", o.run.profile,
                "print a table of the nodes: calls, time, share, imbalance; idle time of the threads");
-  app.add_flag("--audit", o.run.audit, "check the list against brute force at every step (slow: N^2)");
+  app.add_flag("--audit", o.run.audit,
+               "count at every step what touches and is in no list, found without cells (slow)");
   app.add_flag("--quiet", o.quiet, "no progress, no closing text");
   app.add_flag("--overwrite", o.overwrite, "replace the results of an earlier run in the same folder");
 }

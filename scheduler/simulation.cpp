@@ -113,8 +113,8 @@ void choose_chunk(World& w) {
   }
   // Results do not depend on it (I8). One thread: 4096 rows. More: every thread gets the same whole number of equal
   // chunks, of at most 3072 rows (4096 on two threads), but none below 1024: there pairs across borders, computed
-  // twice, cost more than idle threads (perf/schedule.py: 125k particles on 28 threads, predicted efficiency 81 % with
-  // 1524 rows, 76 % with 762, 53 % with 4096, which leaves 4 of the 28 with two chunks). At least 3, and 6 where that
+  // twice, cost more than idle threads (perf/schedule.py: 125k particles on 28 threads, predicted efficiency 87 % with
+  // 1528 rows, 79 % with 1024, 55 % with 4096, which leaves 4 of the 28 with two chunks). At least 3, and 6 where that
   // leaves them 1300 rows, so that stealing can balance them: 128k grains on 16 threads ran 235, 221, 269 M
   // particle-steps/s with 6 chunks per thread, 208, 194, 214 with 3; 8 or 12 on 8 threads brought nothing more.
   const std::int64_t threads = w.threads, most = threads <= 2 ? 4096 : 3072;

@@ -17,8 +17,8 @@ namespace talus {
 
 class StepGate {
  public:
-  /// For lanes 0..lanes-1, none of them waiting or running. patient: false where threads share cores: then every lane
-  /// gives its thread back at once.
+  /// For lanes 0..lanes-1 (below 65535), none of them waiting or running. patient: false where threads share cores:
+  /// then every lane gives its thread back at once.
   void prepare(int lanes, bool patient = true) {
     next_left_.assign(static_cast<std::size_t>(lanes), k_none);
     patience_ = patient ? k_pauses + k_yields : 0;

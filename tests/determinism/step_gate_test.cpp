@@ -102,7 +102,9 @@ TEST(StepGate, EveryLaneEntersEveryRoundOnce) {
     EXPECT_EQ(steps.failures.load(), 0) << threads << " threads";
     EXPECT_EQ(steps.rounds(), 400) << threads << " threads";
     // on one thread a lane can only go on because the one before it gave up
-    if (threads == 1) EXPECT_GE(steps.again(), 3 * 300);
+    if (threads == 1) {
+      EXPECT_GE(steps.again(), 3 * 300);
+    }
   }
 }
 
