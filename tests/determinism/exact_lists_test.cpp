@@ -1,5 +1,6 @@
-// Exact lists: over 200 random scenes x 200 steps the audit (scheduler/audit.cpp, checked against all pairs below) finds
-// no touching pair, grain or wall, that the list lacks, for every policy. TALUS_FULL=1 runs ten times as many scenes.
+// Exact lists: over 200 random scenes x 200 steps the audit (scheduler/audit.cpp, checked against all pairs below)
+// finds no touching pair, grain or wall, that the list lacks, for every policy. TALUS_FULL=1 runs ten times as many
+// scenes.
 #include <gtest/gtest.h>
 
 #include <algorithm>

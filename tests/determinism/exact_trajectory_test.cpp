@@ -1,4 +1,4 @@
-// Figure 2 of the issue: the trajectory is a function of the scene alone. Every scene runs under a cover of all pairs
+// The trajectory is a function of the scene alone. Every scene runs under a cover of all pairs
 // of {policy, K, threads, chunk, isa}; TALUS_FULL=1 runs the full product and prints "N combinations, 1 hash". The
 // reference is the plainest way: list rebuilt in every step, one thread, one chunk, scalar kernels.
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Figure 6 of the issue: what a scene does not need is not there. Judged by the plan that `explain` prints, by the
+// What a scene does not need is not there. Judged by the plan that `explain` prints, by the
 // memory that the arrays really take, and by the sections of a checkpoint.
 #include <gtest/gtest.h>
 

@@ -197,7 +197,7 @@ void oblique(const std::string& name, bool hertz) {
   }
   figure(name + " oblique 35-85 deg: largest relative error of e_t", worst_e);
   figure(name + " oblique 35-85 deg: largest relative error of omega", worst_w);
-  EXPECT_LT(worst_e, 5e-3);  // the 0.5 %
+  EXPECT_LT(worst_e, 5e-3);  // 0.5 %
   EXPECT_LT(worst_w, 5e-3);
 }
 
