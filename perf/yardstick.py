@@ -5,7 +5,8 @@
   python3 perf/yardstick.py --prototype DIR --rounds 9 --json yardstick.json
 
 The prototype is no part of this repository: one file with AVX-512 intrinsics and contracted operations that showed what the design
-can reach. Same state, law, skin (0.02) and chunks (4096) in both. Step: the prototype's `bench` line "cs 4096 ieee 1 thr" against
+can reach. Same state, law and skin (0.02) in both. Chunks: 4096 rows in the prototype (1024 to 8192 are alike), its own choice in Talus
+(`--chunk 4096` for the same). Step: the prototype's `bench` line "cs 4096 ieee 1 thr" against
 a run of Talus without the rebuilds, all else included. Rebuild: the prototype's `cost` line without sorting of rows against a
 run of Talus that rebuilds every 25 steps, as `cost` does. Two rows of Talus: its default law, and the prototype's (damping with lagged
 velocities, levers of one radius, leapfrog). One round runs all programs in turn; ratios are taken within a round. Exit 1 below a mark.
@@ -22,7 +23,7 @@ import numpy as np
 import states
 
 ROOT = os.path.dirname(states.HERE)
-SKIN, CHUNK, EVERY = 0.02, 4096, 25
+SKIN, EVERY = 0.02, 25
 OWN_LAW = ["contact.dashpot=lagged", "contact.lever=radius", "contact.onset_correction=false", "contact.synchronised=false",
            "integrator=leapfrog"]
 SCENE = """sort_every = 1000000000
@@ -97,7 +98,7 @@ def prototype(args, mode, wanted, values):
 
 
 def talus(args, scene, steps, warm, settings):
-    command = pinned(args.core, [args.talus, "run", scene, "--threads", 1, "--isa", args.isa, "--chunk", CHUNK, "--warm", warm, "--steps",
+    command = pinned(args.core, [args.talus, "run", scene, "--threads", 1, "--isa", args.isa, "--chunk", args.chunk, "--warm", warm, "--steps",
                                  warm + steps, "--quiet", "--json", "--overwrite", "--out", os.path.join(args.out, "run")])
     for s in settings:
         command += ["--set", s]
@@ -134,6 +135,7 @@ def main():
     p.add_argument("--talus", default=os.path.join(ROOT, "build", "talus"))
     p.add_argument("--isa", default="avx512")
     p.add_argument("--rounds", type=int, default=7)
+    p.add_argument("--chunk", type=int, default=0, help="rows of a chunk of Talus; 0: its own choice")
     p.add_argument("--core", type=int, default=0)
     p.add_argument("--check-steps", type=int, default=100, help="kinetic energies are compared after so many steps")
     p.add_argument("--json", metavar="FILE")
