@@ -284,8 +284,8 @@ def parse_arguments():
     p.add_argument("--talus", default=os.path.join(ROOT, "build", "talus"))
     p.add_argument("--scene", default="settle", choices=("settle", "flow"))
     p.add_argument("--sizes", type=numbers, default=[128000], help="recorded states, for example 128000,512000")
-    p.add_argument("--chunks", type=numbers, default=[512, 1024, 1496, 2240, 2608, 4096, 4480],
-                   help="1496 and 2608: what the engine chooses for the two marks; 2240 and 4480: two and one per thread of the first")
+    p.add_argument("--chunks", type=numbers, default=[512, 1024, 1496, 2240, 2608, 4096, 4480, 8192],
+                   help="1496 and 2608: what the engine chooses for the two marks; 2240 and 4480: two and one per thread of the first; 8192: one thread alone")
     p.add_argument("--particles", type=numbers, default=[32000, 125000, 500000, 10000000], help="simulated systems")
     p.add_argument("--cores", type=numbers, default=[1, 2, 4, 8, 16, 28, 56, 64, 112])
     p.add_argument("--fan-out", default="tree", choices=("tree", "flat"), help="as the step graph does it: judged by the marks")
