@@ -6,10 +6,10 @@
 
 The prototype is no part of this repository: one file with AVX-512 intrinsics and contracted operations that showed what the design
 can reach. Same state, law and skin (0.02) in both. Chunks: 4096 rows in the prototype (1024 to 8192 are alike), its own choice in Talus
-(`--chunk 4096` for the same). Step: the prototype's `bench` line "cs 4096 ieee 1 thr" against
-a run of Talus without the rebuilds, all else included. Rebuild: the prototype's `cost` line without sorting of rows against a
-run of Talus that rebuilds every 25 steps, as `cost` does. Two rows of Talus: its default law, and the prototype's (damping with lagged
-velocities, levers of one radius, leapfrog). One round runs all programs in turn; ratios are taken within a round. Exit 1 below a mark.
+(`--chunk 4096` for the same). Step: the prototype's `bench` line "cs 4096 ieee 1 thr" against a run of Talus without the rebuilds, all
+else included. Rebuild: the prototype's `cost` line without sorting of rows against a run of Talus that rebuilds every 25 steps, as `cost`
+does. Two rows of Talus: its default law, and the prototype's (damping with lagged velocities, levers of one radius, leapfrog). One round
+runs all programs in turn; ratios are taken within a round. Exit 1 below a mark.
 """
 import argparse
 import json

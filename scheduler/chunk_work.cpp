@@ -191,7 +191,7 @@ void ContactBlocks::keep_history() {
 }
 
 void prefetch_next(const World& w, const Chunk& c, std::int64_t k0, GatherArgs& g) {
-  const bool far = static_cast<std::size_t>(w.n) * (w.stride + 4) * sizeof(double) > k_near_bytes;
+  const bool far = !rows_stay_near(w);
   g.next_i = far ? g.i + k_block : nullptr;
   g.next_j = g.j + k_block;
   g.next_n = static_cast<int>(std::clamp<std::int64_t>(c.contact_end[2] - k0 - k_block, 0, g.n));

@@ -12,9 +12,6 @@
 
 namespace talus {
 
-/// Of one copy of all rows; smaller ones stay near, and prefetching own rows and history costs 2 % there (32k grains).
-inline constexpr std::size_t k_near_bytes = std::size_t{6} << 20;
-
 /// Fetches what this thread's next chunk reads first, its rows and its list, piece by piece between the blocks of the
 /// present one's contacts: the narrow phase has no arithmetic to hide that behind. One core of an AMD Zen 5, ns per
 /// grain and step: 512k grains at rest 30.8 -> 28.0, 128k 28.2 -> 27.3, 128k flowing 21.5 -> 19.9; with x0 of the
@@ -22,7 +19,7 @@ inline constexpr std::size_t k_near_bytes = std::size_t{6} << 20;
 class NextChunk {
  public:
   NextChunk(const World& w, std::int64_t contacts) {
-    if (static_cast<std::size_t>(w.n) * (w.stride + 4) * sizeof(double) < k_near_bytes) return;
+    if (rows_stay_near(w)) return;
     const int k = w.shares.next(thread_slot(w));
     if (k < 0) return;
     const Chunk& c = *w.chunks[static_cast<std::size_t>(k)];

@@ -8,7 +8,6 @@
 
 #include "core/error.hpp"
 #include "core/timestep.hpp"
-#include "scheduler/next_chunk.hpp"
 #include "scheduler/parallel.hpp"
 #include "scheduler/world.hpp"
 
@@ -115,8 +114,8 @@ void choose_chunk(World& w) {
   // Results do not depend on it (I8). One thread: 16384 rows where all rows stay near, else 8192. Pairs across borders
   // are computed twice, 11.1 % of the contacts of settle32 and 11.7 % of settle128 with 4096 rows, 6.6 and 9.2 with
   // 8192, 2.7 and 6.9 with 16384. That the rows of a larger chunk leave L2 between narrow phase and integration costs
-  // less (AMD Zen 5, 1 MiB of L2; ns per grain and step with 4096, 8192, 16384: settle32 22.2, 21.6, 21.1; settle128
-  // 27.9, 27.2, 28.0; settle512 28.4, 27.9, 28.2; flow128 17.8, 17.3, 17.4).
+  // less (AMD Zen 5, 1 MiB of L2; ns per grain and step with 4096, 8192, 16384: settle32 22.2, 21.7, 21.2; settle128
+  // 27.9, 27.4, 27.9; settle512 28.4, 27.9, 28.2; flow128 17.8, 17.3, 17.5; radii5 25.7, 26.1, 26.1).
   // More threads: every thread gets the same whole number of equal chunks, of at most 3072 rows (4096 on two threads),
   // but none below 1024: there pairs across borders cost more than idle threads (perf/schedule.py: 125k particles on 28
   // threads, predicted efficiency 87 % with 1528 rows, 79 % with 1024, 55 % with 4096, which leaves 4 of the 28 with
@@ -125,7 +124,7 @@ void choose_chunk(World& w) {
   // threads brought nothing more. Two threads, Zen 5: 32k and 128k grains alike within 3 % with 2667 to 8000 rows.
   const std::int64_t threads = w.threads, most = threads <= 2 ? 4096 : 3072;
   if (threads == 1) {
-    w.chunk_size = static_cast<std::size_t>(w.n) * (w.stride + 4) * sizeof(double) <= k_near_bytes ? 16384 : 8192;
+    w.chunk_size = rows_stay_near(w) ? 16384 : 8192;
     return;
   }
   const std::int64_t least = std::clamp<std::int64_t>(w.n / (1300 * threads), 3, 6);
