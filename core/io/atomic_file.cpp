@@ -2,7 +2,6 @@
 #include "core/io/atomic_file.hpp"
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/io/input_file.hpp"
 
 namespace talus {
 
@@ -134,45 +134,8 @@ void write_file_atomic(const std::string& path, std::string_view text) {
   file.commit();
 }
 
-namespace {
-
-template <class Bytes>
-Bytes read_whole(const std::string& path) {
-  const int fd = retry([&] { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC); });
-  if (fd < 0) {
-    const int error = errno;
-    throw Error(ErrorCode::io, std::string("cannot open: ") + std::strerror(error), path,
-                error == ENOENT ? "check the path" : "");
-  }
-  struct stat st {};
-  if (::fstat(fd, &st) != 0 || !S_ISREG(st.st_mode)) {
-    ::close(fd);
-    throw Error(ErrorCode::io, "is not a regular file", path, "give the path of a file");
-  }
-  Bytes bytes;
-  bytes.resize(static_cast<std::size_t>(st.st_size));
-  std::size_t have = 0;
-  while (have < bytes.size()) {
-    const ssize_t got =
-        retry([&] { return ::read(fd, reinterpret_cast<char*>(bytes.data()) + have, bytes.size() - have); });
-    if (got < 0) {
-      const int error = errno;
-      ::close(fd);
-      throw Error(ErrorCode::io, std::string("cannot read: ") + std::strerror(error), path);
-    }
-    if (got == 0) break;  // it shrank meanwhile: the caller sees what is there
-    have += static_cast<std::size_t>(got);
-  }
-  ::close(fd);
-  bytes.resize(have);
-  return bytes;
-}
-
-}  // namespace
-
-std::vector<std::uint8_t> read_file_bytes(const std::string& path) {
-  return read_whole<std::vector<std::uint8_t>>(path);
-}
-std::string read_file_text(const std::string& path) { return read_whole<std::string>(path); }
+// A checkpoint or a summary is read as a whole; memory is the only bound on its size.
+std::vector<std::uint8_t> read_file_bytes(const std::string& path) { return read_input_bytes(path, {}); }
+std::string read_file_text(const std::string& path) { return read_input_text(path, {}); }
 
 }  // namespace talus

@@ -3,20 +3,25 @@
 #include "core/io/particle_file.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <memory>
 #include <numeric>
 
 #include "core/error.hpp"
+#include "core/io/input_file.hpp"
 #include "core/io/scene_keys.hpp"
+#include "core/memory.hpp"
 
 namespace talus {
 namespace {
 
 constexpr std::size_t k_max_bytes = std::size_t{1} << 36;
+constexpr const char* k_csv_cure = "a header row, then one row per particle";
 
 [[noreturn]] void fail(const std::string& name, std::int64_t row, const std::string& what, const std::string& cure) {
   throw Error(ErrorCode::scene, what, fmt::format("{}:{}", name, row), cure);
@@ -368,31 +373,44 @@ bool is_lammps(std::string_view text) {
   return false;
 }
 
+/// The text of a plain or gzip-compressed file.
 std::string read_bytes(const std::string& path) {
-  gzFile file = gzopen(path.c_str(), "rb");
-  if (file == nullptr)
-    throw Error(ErrorCode::scene, "cannot open the particle file", path, "give the path of a CSV or LAMMPS data file");
+  InputFile input(path, {ErrorCode::scene, "particle file", k_max_bytes, "give the path of a CSV or LAMMPS data file"});
+  if (input.size() == 0) throw Error(ErrorCode::scene, "the particle file is empty", path, k_csv_cure);
+  const auto refuse_size = [&](double bytes) {
+    require_memory(bytes, "reading this particle file", path, "a smaller file, or a machine with more memory");
+  };
+  refuse_size(static_cast<double>(input.size()));
+  const int descriptor = input.release();
+  gzFile file = gzdopen(descriptor, "rb");
+  if (file == nullptr) {
+    ::close(descriptor);
+    throw std::bad_alloc();
+  }
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> closed_at_the_end(file, gzclose);
   gzbuffer(file, 1 << 18);
   std::string text;
-  std::string reason;
   while (true) {
-    constexpr unsigned chunk = 1 << 20;
+    constexpr std::size_t chunk = 1 << 20;
     const std::size_t have = text.size();
-    if (have > k_max_bytes) {
-      reason = "it has more than 64 GiB";
-      break;
+    if (have > k_max_bytes)
+      throw Error(ErrorCode::scene, "the particle file unpacks to more than 64 GiB", path, k_csv_cure);
+    // a few MiB may unpack to anything: judged at every doubling, since then the text moves
+    if (have + chunk > text.capacity()) {
+      refuse_size(2.0 * static_cast<double>(have));
+      text.reserve(std::max(2 * have, have + chunk));
     }
     text.resize(have + chunk);
-    const int n = gzread(file, text.data() + have, chunk);
+    const int n = gzread(file, text.data() + have, static_cast<unsigned>(chunk));
     text.resize(have + static_cast<std::size_t>(n > 0 ? n : 0));
     int code = 0;
     const char* message = gzerror(file, &code);
-    if (n < 0 || (code != Z_OK && code != Z_STREAM_END)) reason = code == Z_ERRNO ? "cannot be read" : message;
-    if (n <= 0 || !reason.empty()) break;
+    if (n < 0 || (code != Z_OK && code != Z_STREAM_END))
+      throw Error(ErrorCode::scene,
+                  fmt::format("broken or unreadable particle file: {}", code == Z_ERRNO ? "cannot be read" : message),
+                  path);
+    if (n <= 0) return text;
   }
-  gzclose(file);
-  if (!reason.empty()) throw Error(ErrorCode::scene, "broken or unreadable particle file: " + reason, path);
-  return text;
 }
 
 }  // namespace

@@ -3,16 +3,15 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-
 #include "core/det_math.hpp"
 #include "core/error.hpp"
+#include "core/io/input_file.hpp"
 #include "core/io/scene_table.hpp"
 
 namespace talus {
 namespace {
 
-constexpr std::size_t k_read_limit = (std::size_t{1} << 20) + 1;  // one byte more than a scene may have
+constexpr std::uint64_t k_most_bytes = std::uint64_t{1} << 20;
 
 void check_box(const SceneTable& r, Vec3 lower, Vec3 upper) {
   for (int k = 0; k < 3; ++k) {
@@ -501,12 +500,8 @@ Scene parse_scene(std::string_view text, std::string name, std::string directory
 }
 
 Scene load_scene(const std::string& path, const std::vector<std::string>& overrides) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw Error(ErrorCode::scene, "cannot open the scene file", path, "give the path of a TOML scene file");
-  std::string text(k_read_limit, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (in.bad() || (in.fail() && !in.eof())) throw Error(ErrorCode::scene, "cannot read the scene file", path);
-  text.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string text =
+      read_input_text(path, {ErrorCode::scene, "scene file", k_most_bytes, "give the path of a TOML scene file"});
   const std::size_t slash = path.rfind('/');
   return parse_scene(text, path, slash == std::string::npos ? "." : path.substr(0, slash + 1), overrides);
 }

@@ -7,28 +7,11 @@
 #include <cmath>
 
 #include "core/io/atomic_file.hpp"
+#include "core/text.hpp"
 
 namespace talus {
 
 namespace {
-
-/// Length of the valid UTF-8 sequence at s[i], or 0.
-std::size_t utf8_length(const std::string& s, std::size_t i) {
-  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(k < s.size() ? s[k] : 0); };
-  const auto tail = [&](std::size_t k) { return (byte(k) & 0xC0) == 0x80; };
-  const unsigned a = byte(i), b = byte(i + 1);
-  if (a < 0x80) return 1;
-  if (a >= 0xC2 && a <= 0xDF) return tail(i + 1) ? 2 : 0;
-  if (a >= 0xE0 && a <= 0xEF) {
-    if (!tail(i + 1) || !tail(i + 2)) return 0;
-    return (a == 0xE0 && b < 0xA0) || (a == 0xED && b > 0x9F) ? 0 : 3;  // overlong, surrogates
-  }
-  if (a >= 0xF0 && a <= 0xF4) {
-    if (!tail(i + 1) || !tail(i + 2) || !tail(i + 3)) return 0;
-    return (a == 0xF0 && b < 0x90) || (a == 0xF4 && b > 0x8F) ? 0 : 4;  // overlong, above U+10FFFF
-  }
-  return 0;
-}
 
 class Object {
  public:
