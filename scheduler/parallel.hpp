@@ -42,8 +42,9 @@ void parallel(World& w, int n, F fn) {
 /// Runs fn() with the threads of the run; for what happens outside of the step graph.
 template <class F>
 void with_threads(const World& w, F fn) {
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(w.threads));
-  tbb::task_arena arena(w.threads);
+  const int threads = w.lane_choice.threads();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  tbb::task_arena arena(threads);
   arena.execute(fn);
 }
 

@@ -218,7 +218,7 @@ std::size_t ListScratchPool::bytes() const {
 
 void for_chunks(World& w, void (*fn)(World&, Chunk&)) {
   const int chunks = static_cast<int>(w.chunks.size());
-  w.shares.prepare(chunks, w.threads);
+  w.shares.prepare(chunks, w.lane_choice.threads());
   w.shares.begin_round();
   parallel(w, chunks, [&](int) { fn(w, *w.chunks[static_cast<std::size_t>(w.shares.take(thread_slot(w)))]); });
 }

@@ -130,6 +130,6 @@ std::vector<double> chunk_costs(const World& w) {
   return cost;
 }
 
-void divide_chunks(World& w) { w.shares.divide(chunk_costs(w), w.threads); }
+void divide_chunks(World& w) { w.shares.divide(chunk_costs(w), w.lane_choice.threads()); }
 
 }  // namespace talus

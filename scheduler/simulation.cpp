@@ -1,13 +1,12 @@
 // Simulation: set-up from a scene or a checkpoint, and the public calls.
 #include "scheduler/simulation.hpp"
 
-#include <sched.h>
-
 #include <algorithm>
 #include <cstring>
 
 #include "core/error.hpp"
 #include "core/timestep.hpp"
+#include "scheduler/available_cores.hpp"
 #include "scheduler/parallel.hpp"
 #include "scheduler/world.hpp"
 
@@ -21,12 +20,6 @@ namespace {
 
 constexpr double k_usual_skin = 0.35;  // in radii: of a grain and the wall together, what nearly all lists need
 
-int available_threads() {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  return sched_getaffinity(0, sizeof set, &set) == 0 ? std::max(1, CPU_COUNT(&set)) : 1;
-}
-
 bool acts_later(const Source& s) {
   return s.kind == Source::Kind::stream || (s.kind != Source::Kind::file && s.start > 0);
 }
@@ -35,7 +28,8 @@ bool acts_later(const Source& s) {
 void configure(World& w, const Scene& scene, const RunOptions& options, bool any_fixed) {
   w.scene = scene;
   w.options = options;
-  w.threads = options.threads > 0 ? options.threads : available_threads();
+  w.threads = options.threads > 0 ? options.threads : available_cores();
+  w.lane_choice.prepare(w.threads);
   w.times.prepare(w.threads);
   w.scratch.prepare(w.threads);
   w.serial.index = -1;

@@ -3,12 +3,13 @@
 // (dismiss). Purpose: queued lanes are found by threads that look for work at random, one after another, which took 5
 // to 7 % of a step of 125k grains on 28 cores (perf/schedule.py); a lane that waits sees the step begin after one cache
 // line has come. Invariants: a lane waits only after it has reported to the join; only the one thread that runs serial
-// nodes opens and dismisses; nobody depends on a lane that waits: it gives its thread back by itself after 40 to 90 us.
+// nodes opens and dismisses; a lane gives its thread back by itself after k_patience by the clock. It never yields: on
+// a core that others use, too, one yield takes a whole time slice, and the step that begins meanwhile waits for the
+// lane.
 #pragma once
 
-#include <sched.h>
-
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -21,7 +22,7 @@ class StepGate {
   /// then every lane gives its thread back at once.
   void prepare(int lanes, bool patient = true) {
     next_left_.assign(static_cast<std::size_t>(lanes), k_none);
-    patience_ = patient ? k_pauses + k_yields : 0;
+    patient_ = patient;
     dismissed_ = true;
   }
   /// Number of the present round: to be read before the lane reports that it has no chunk left.
@@ -29,16 +30,17 @@ class StepGate {
   /// Waits for the round after `round`. True: the lane goes on in it. False: it has to end; it is started again by
   /// whoever opens the gate, if at all.
   bool await(std::uint32_t round, int lane) noexcept {
-    for (int tries = 0;; ++tries) {
+    Clock::time_point begin;
+    bool waits = patient_;
+    for (unsigned tries = 0;; ++tries) {
       std::uint64_t seen = word_.load(std::memory_order_acquire);
       if (round_of(seen) != round)
         // a lane that was dismissed and looks late may find the number of a round that goes on without it
         return round_of(seen) == round + 1 && (seen & k_dismissed) == 0;
-      if (tries < patience_) {
-        if (tries < k_pauses)
-          pause();
-        else
-          sched_yield();
+      if (waits) {
+        pause();
+        if (tries == k_tries_per_look) begin = Clock::now();
+        if (tries > k_tries_per_look && tries % k_tries_per_look == 0) waits = Clock::now() - begin < k_patience;
       } else {
         next_left_[static_cast<std::size_t>(lane)] = static_cast<std::uint16_t>(seen & k_none);
         const std::uint64_t then = (seen & ~std::uint64_t{k_none}) | static_cast<std::uint64_t>(lane);
@@ -65,9 +67,11 @@ class StepGate {
   void started() noexcept { dismissed_ = false; }
 
  private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::microseconds k_patience{60};
+  static constexpr unsigned k_tries_per_look = 64;  ///< looks at the clock are dearer than pauses
   static constexpr std::uint16_t k_none = 0xffff;
   static constexpr std::uint64_t k_dismissed = 1U << 16;
-  static constexpr int k_pauses = 256, k_yields = 150;  ///< 3 to 10 us, then 40 to 80 us
 
   static std::uint32_t round_of(std::uint64_t word) noexcept { return static_cast<std::uint32_t>(word >> 32); }
   static void pause() noexcept {
@@ -83,7 +87,7 @@ class StepGate {
   /// Round, whether it was begun by dismissing, and the last lane that gave up waiting (next_left_: the one before it).
   alignas(128) std::atomic<std::uint64_t> word_{k_none};
   alignas(128) std::vector<std::uint16_t> next_left_;
-  int patience_ = 0;
+  bool patient_ = false;
   bool dismissed_ = true;
 };
 

@@ -27,14 +27,15 @@
 // with a rebuild: then, and for any other loop over chunks, the threads are sent away and start hands out all lanes.
 #include <oneapi/tbb/flow_graph.h>
 #include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/info.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <chrono>
 #include <deque>
 
 #include "core/det_math.hpp"
 #include "core/error.hpp"
+#include "scheduler/available_cores.hpp"
 #include "scheduler/parallel.hpp"
 #include "scheduler/world.hpp"
 
@@ -61,7 +62,9 @@ struct alignas(128) Lane {
   Chunk* chunk = nullptr;
 };
 
-int lanes_of(const World& w) { return std::max(1, std::min(w.threads, static_cast<int>(w.chunks.size()))); }
+int lanes_of(const World& w) {
+  return std::max(1, std::min(w.lane_choice.threads(), static_cast<int>(w.chunks.size())));
+}
 
 std::string at_step(const World& w) { return "step " + std::to_string(w.step); }
 
@@ -356,6 +359,8 @@ void finish_step(World& w) {
   w.velocity_at_old_step = true;
   note_travel(w);
   if (w.has.energies) add_step_work(w);
+  const std::chrono::duration<double> now = std::chrono::steady_clock::now().time_since_epoch();
+  w.lane_choice.step_done(now.count(), w.last_rebuild_step != w.step && !w.structure);
   ++w.step;
   ++w.counters.steps;
 }
@@ -364,10 +369,12 @@ void run_graph(World& w, std::int64_t target) {
   using namespace tbb::flow;
   using Go = continue_msg;
   tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(w.threads));
-  tbb::task_arena arena(w.threads);
+  static const int cores = available_cores();
   bool running = true, enter_at_start = false;
   const TimedRun timed(w);
   while (running) {
+    tbb::task_arena arena(w.lane_choice.threads());
+    bool rebuilt = false;
     arena.execute([&] {
       graph g;
       // Typed nodes in order; a merge is a function_node (a continue_node counts predecessors), a branch a
@@ -375,6 +382,10 @@ void run_graph(World& w, std::int64_t target) {
       using Check = multifunction_node<Go, std::tuple<Go, Go>, lightweight>;
       Check displacement_check(g, unlimited, [&w, target](const Go&, Check::output_ports_type& ports) noexcept {
         Decision d;
+        if (lanes_of(w) != w.graph_lanes && w.step < target) {  // another graph decides about this step
+          w.gate.dismiss();
+          return;
+        }
         guarded(w, -1, [&] { d = check_step(w, target); });
         const bool stop = d.stop || w.failed.load();
         if (stop || d.rebuild) w.gate.dismiss();
@@ -391,7 +402,7 @@ void run_graph(World& w, std::int64_t target) {
       });
       using Narrow = multifunction_node<Go, std::tuple<Go, Go>>;
       using Rebuild = multifunction_node<Go, std::tuple<Go>>;
-      Rebuild rebuild(g, serial, [&w](const Go&, Rebuild::output_ports_type& ports) {
+      Rebuild rebuild(g, serial, [&w, &rebuilt](const Go&, Rebuild::output_ports_type& ports) {
         guarded(w, -1, [&] {
           const bool epoch = w.step % w.scene.sort_every == 0;
           if (epoch)
@@ -400,7 +411,10 @@ void run_graph(World& w, std::int64_t target) {
             rebuild_step(w, !lists_expired(w));
         });
         // another number of lanes needs another graph
-        if (!w.failed.load() && lanes_of(w) == w.graph_lanes) std::get<0>(ports).try_put(Go());
+        if (!w.failed.load() && lanes_of(w) == w.graph_lanes)
+          std::get<0>(ports).try_put(Go());
+        else
+          rebuilt = true;
       });
       const auto audit = [&w] {
         if (w.options.audit) w.counters.missed_contacts += audit_lists(w);
@@ -424,8 +438,8 @@ void run_graph(World& w, std::int64_t target) {
       std::deque<continue_node<Go>> forks;
       std::deque<continue_node<Go, lightweight>> inner;
       w.graph_lanes = lanes_of(w);
-      w.shares.prepare(static_cast<int>(w.chunks.size()), w.threads);
-      w.gate.prepare(w.graph_lanes, w.threads <= tbb::info::default_concurrency());
+      w.shares.prepare(static_cast<int>(w.chunks.size()), w.lane_choice.threads());
+      w.gate.prepare(w.graph_lanes, w.lane_choice.threads() <= cores);
       std::vector<Lane> lanes(static_cast<std::size_t>(w.graph_lanes));
       for (Lane& lane : lanes) {
         lane.index = static_cast<int>(&lane - lanes.data());
@@ -487,7 +501,6 @@ void run_graph(World& w, std::int64_t target) {
         displacement_check.try_put(Go());
       g.wait_for_all();
     });
-    enter_at_start = false;
     if (w.failed.load()) {
       for (const auto& c : w.chunks)
         if (c->scratch != nullptr) {
@@ -499,7 +512,7 @@ void run_graph(World& w, std::int64_t target) {
       std::rethrow_exception(e);
     }
     running = w.step < target;
-    enter_at_start = running;  // the graph stopped between rebuild and start because the number of lanes changed
+    enter_at_start = running && rebuilt;  // the graph stopped between rebuild and start
   }
 }
 

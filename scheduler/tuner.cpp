@@ -49,8 +49,11 @@ double RecentMedian::value() const noexcept {
   if (count_ == 0) return 0;
   const int n = std::min(count_, k_size);
   double sorted[k_size];
-  std::copy(last_, last_ + n, sorted);
-  std::sort(sorted, sorted + n);
+  for (int k = 0; k < n; ++k) {
+    int at = k;
+    for (; at > 0 && sorted[at - 1] > last_[k]; --at) sorted[at] = sorted[at - 1];
+    sorted[at] = last_[k];
+  }
   return sorted[n < 3 ? 0 : n / 2];
 }
 

@@ -19,6 +19,7 @@
 #include "core/walls.hpp"
 #include "kernels/kernel_table.hpp"
 #include "scheduler/chunk_map.hpp"
+#include "scheduler/lane_choice.hpp"
 #include "scheduler/monitor.hpp"
 #include "scheduler/profile.hpp"
 #include "scheduler/shares.hpp"
@@ -212,7 +213,7 @@ struct World {
   MomentArgs moment_args{};
   unsigned moment_flips = 0;
   int stride = 4;  ///< doubles per velocity and force row (8 with rotation)
-  int threads = 1;
+  int threads = 1;  ///< asked for; lane_choice says how many work at present
 
   // particles, [n] rows (+ one dead row n, padded)
   Row n = 0;
@@ -246,6 +247,7 @@ struct World {
   ScratchPool scratch;
   ChunkShares shares;
   StepGate gate;
+  LaneChoice lane_choice;
   /// Some chunk has something to say about the last step: leavers, a failure, samples of the monitor. Nearly always
   /// none has, and a check that visits every chunk fetches a cache line of each from the core that worked on it.
   std::atomic<bool> news{true};

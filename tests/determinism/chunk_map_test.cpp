@@ -16,7 +16,9 @@ int check(const ChunkMap& map, Row n) {
   EXPECT_EQ(map.hi(chunks - 1, n), n);
   for (int k = 0; k < chunks; ++k) {
     EXPECT_LT(map.lo(k), map.hi(k, n)) << k;
-    if (k > 0) EXPECT_EQ(map.lo(k), map.hi(k - 1, n)) << k;
+    if (k > 0) {
+      EXPECT_EQ(map.lo(k), map.hi(k - 1, n)) << k;
+    }
     for (Row i = map.lo(k); i < map.hi(k, n); ++i)
       if (map(i) != k) {
         ADD_FAILURE() << "row " << i << " is in chunk " << map(i) << " instead of " << k;
