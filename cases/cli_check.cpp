@@ -2,7 +2,6 @@
 // how many particles, how much time and how much memory it will need. Builds the engine for step 0 (so initial overlaps
 // and particles outside are found) and runs its first steps for a second to measure their cost; writes nothing.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +11,9 @@
 #include "cases/cli_json.hpp"
 #include "cases/cli_timestep.hpp"
 #include "cases/progress.hpp"
+#include "core/count.hpp"
 #include "core/insertion.hpp"
+#include "core/memory.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus::cli {
@@ -37,11 +38,7 @@ std::int64_t most_to_come(const Scene& scene) {
     if (s.mass_rate > 0) most = std::min(most, s.mass_rate * time / lightest);
     if (std::isfinite(most)) total += most;
   }
-  return static_cast<std::int64_t>(std::ceil(total));
-}
-
-double physical_memory() {
-  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  return count_ceil(total);
 }
 
 /// What can be said about a scene before it runs.
@@ -132,9 +129,12 @@ int check(const Options& options) {
   const double memory =
       static_cast<double>(simulation.bytes()) + static_cast<double>(to_come) * plan.bytes_per_particle;
   const Advice advice = advise(scene, step, simulation, to_come, options.calibrate);
-  const bool fits = memory < 0.9 * physical_memory();
+  // What the engine already holds is no longer available to it.
+  const AvailableMemory left = available_memory();
+  const double room = left.bytes + static_cast<double>(simulation.bytes());
+  const bool fits = memory < 0.9 * room;
   const std::string verdict = !fits
-                                  ? "valid, but needs more memory than this machine has"
+                                  ? "valid, but needs more memory than there is"
                                   : (step.warning.empty() ? "valid" : "valid, but the time step is large (see above)");
 
   if (options.json) {
@@ -164,8 +164,8 @@ int check(const Options& options) {
   fmt::print("\n  duration    {} steps of {:.6g} s = {:.6g} s\n", grouped(scene.steps), scene.dt,
              scene.dt * static_cast<double>(scene.steps));
   fmt::print("  law         {}\n", plan.law);
-  fmt::print("  memory      about {} ({:.0f} B per particle; this machine has {})\n", human_bytes(memory),
-             plan.bytes_per_particle, human_bytes(physical_memory()));
+  fmt::print("  memory      about {} ({:.0f} B per particle; {} by the {})\n", human_bytes(memory),
+             plan.bytes_per_particle, human_bytes(room), left.by);
   fmt::print("  time step\n{}", time_step_text(step));
   fmt::print("  advice\n    time step  {}\n    stiffness  {}\n    verlet_k   {}\n", step_text(scene, advice.step),
              soft_text(scene, advice.soft), k_text(scene, advice));

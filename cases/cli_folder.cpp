@@ -8,19 +8,22 @@
 
 #include "core/io/atomic_file.hpp"
 #include "core/io/scene_file.hpp"
+#include "core/text.hpp"
 
 namespace talus::cli {
 namespace fs = std::filesystem;
 namespace {
 
 // Comments, so that the copy is itself a scene. Relative mesh and state files stay relative to the original.
-constexpr std::string_view k_directory = "#: directory ", k_set = "#: set ";
+// Only what follows the mark counts: a comment of the scene itself may look like it.
+constexpr std::string_view k_mark = "#: how it was run\n", k_directory = "#: directory ", k_set = "#: set ";
 
 std::string scene_text(const Options& options, const Scene& scene) {
   std::string text = read_file_text(options.scene);
   if (!text.empty() && text.back() != '\n') text += '\n';
-  text += fmt::format("{}{}\n", k_directory, fs::absolute(scene.directory).lexically_normal().string());
-  for (const std::string& set : overrides_of(options)) text += fmt::format("{}{}\n", k_set, set);
+  text += k_mark;
+  text += fmt::format("{}{}\n", k_directory, escaped_line(fs::absolute(scene.directory).lexically_normal().string()));
+  for (const std::string& set : overrides_of(options)) text += fmt::format("{}{}\n", k_set, escaped_line(set));
   return text;
 }
 
@@ -76,10 +79,11 @@ Scene stored_scene(const RunFolder& folder) {
   const std::string text = read_file_text(folder.scene());
   std::string directory = folder.dir();
   std::vector<std::string> overrides;
-  std::istringstream lines(text);
+  const std::size_t mark = text.rfind(k_mark);
+  std::istringstream lines(mark == std::string::npos ? "" : text.substr(mark + k_mark.size()));
   for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with(k_directory)) directory = line.substr(k_directory.size());
-    if (line.starts_with(k_set)) overrides.push_back(line.substr(k_set.size()));
+    if (line.starts_with(k_directory)) directory = unescaped_line(line.substr(k_directory.size()));
+    if (line.starts_with(k_set)) overrides.push_back(unescaped_line(line.substr(k_set.size())));
   }
   return parse_scene(text, folder.scene(), directory, overrides);
 }

@@ -2,8 +2,9 @@
 #include "cases/cli_schedule.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
+
+#include "core/count.hpp"
 
 namespace talus::cli {
 namespace {
@@ -14,15 +15,12 @@ constexpr std::int64_t k_growth = 4;  // a slice that happened to hold no rebuil
 
 std::int64_t Repeat::after(std::int64_t step) const noexcept {
   if (!on()) return k_none;
+  if (ratio_ <= 1) return step + 1;  // every step has one
   // Start one output too early and walk: rounding of k * ratio may be off by one either way.
-  auto k = static_cast<std::int64_t>(std::max(0.0, std::floor(static_cast<double>(step) / ratio_) - 1));
-  for (;; ++k) {
+  for (std::int64_t k = std::max<std::int64_t>(0, count_floor(static_cast<double>(step) / ratio_) - 1);; ++k) {
     const double at = static_cast<double>(k) * ratio_;
-    if (!(at < 9e18)) return k_none;
-    const std::int64_t due_step = std::llround(at);
-    if (due_step > step) return due_step;
-    // Outputs denser than steps: the next step is due.
-    if (ratio_ < 1) k = std::max(k, static_cast<std::int64_t>((static_cast<double>(step) + 0.5) / ratio_) - 2);
+    if (!(at < static_cast<double>(k_most_count))) return k_none;
+    if (const std::int64_t due_step = count_nearest(at); due_step > step) return due_step;
   }
 }
 
@@ -35,7 +33,7 @@ std::int64_t Slicer::next(std::int64_t now, std::int64_t until) const noexcept {
 void Slicer::measured(std::int64_t steps, double seconds) noexcept {
   const double wanted = seconds > 0 ? k_slice_s * static_cast<double>(steps) / seconds : 1e9;
   const double limit = static_cast<double>(std::max(steps, length_) * k_growth);
-  length_ = static_cast<std::int64_t>(std::clamp(wanted, 1.0, std::min(limit, 1e8)));
+  length_ = count_floor(wanted, 1, count_floor(std::min(limit, 1e8), 1));
 }
 
 }  // namespace talus::cli

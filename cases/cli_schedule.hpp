@@ -3,6 +3,7 @@
 // (k * every / dt), never summed, so that a resumed run writes at the same steps.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 namespace talus::cli {
@@ -11,7 +12,7 @@ namespace talus::cli {
 class Repeat {
  public:
   /// every <= 0: never. `dt` [s] > 0.
-  Repeat(double every, double dt) : ratio_(every > 0 ? every / dt : 0) {}
+  Repeat(double every, double dt) : ratio_(every > 0 ? std::clamp(every / dt, k_densest, k_rarest) : 0) {}
   bool on() const noexcept { return ratio_ > 0; }
   /// True at step 0, round(ratio), round(2 ratio), …
   bool due(std::int64_t step) const noexcept;
@@ -19,6 +20,8 @@ class Repeat {
   std::int64_t after(std::int64_t step) const noexcept;
 
  private:
+  // A quotient that under- or overflows is still an output that was asked for.
+  static constexpr double k_densest = 1e-300, k_rarest = 1e300;
   double ratio_;  ///< steps between two outputs, not an integer in general
 };
 

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "core/count.hpp"
+
 namespace talus::cli {
 namespace {
 constexpr double k_redraw_s = 0.1;   // fast enough for the eye, no load for a slow terminal
@@ -21,7 +23,7 @@ std::string rate_text(double particle_steps_per_s) {
 std::string duration_text(double seconds) {
   if (!(seconds >= 0) || seconds > 1e9) return "?";
   if (seconds < 60) return fmt::format("{:.1f} s", seconds);
-  const auto s = static_cast<std::int64_t>(seconds + 0.5);
+  const auto s = count_nearest(seconds);
   if (s < 3600) return fmt::format("{}:{:02d}", s / 60, s % 60);
   return fmt::format("{}:{:02d}:{:02d}", s / 3600, s / 60 % 60, s % 60);
 }

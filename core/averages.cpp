@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/count.hpp"
 #include "core/error.hpp"
 
 namespace talus {
@@ -79,9 +80,10 @@ struct Slabs {
   int first = 0;
   std::vector<double> share;
 
-  void fill(double centre, double r, double lower, double h) {
-    first = static_cast<int>(std::floor((centre - r - lower) / h));
-    const int last = static_cast<int>(std::floor((centre + r - lower) / h));
+  /// `least` and `most`: what lies beyond them is put into them.
+  void fill(double centre, double r, double lower, double h, int least, int most) {
+    first = static_cast<int>(count_floor((centre - r - lower) / h, least, most));
+    const int last = static_cast<int>(count_floor((centre + r - lower) / h, least, most));
     share.clear();
     double before = 0;  // what lies below the first slab is nothing
     for (int k = first; k <= last; ++k) {
@@ -127,7 +129,11 @@ GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3>
   };
   for (int pass = 0; pass < 2; ++pass) {
     for (std::size_t i = 0; i < frame.x.size(); ++i) {
-      for (int a = 0; a < 3; ++a) slabs[a].fill(frame.x[i][a], frame.r[i], g.lower[a], g.spacing[a]);
+      for (int a = 0; a < 3; ++a) {
+        // a periodic side is longer than two diameters; elsewhere a grain may be larger than the domain
+        const int beyond = scene.domain.periodic(a) ? cells[a] : 1;
+        slabs[a].fill(frame.x[i][a], frame.r[i], g.lower[a], g.spacing[a], -beyond, cells[a] - 1 + beyond);
+      }
       for (std::size_t kz = 0; kz < slabs[2].share.size(); ++kz) {
         const int z = index(2, slabs[2].first + static_cast<int>(kz));
         if (z < 0) continue;

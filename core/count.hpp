@@ -30,7 +30,9 @@ inline std::int64_t count_ceil(double q, std::int64_t low = 0, std::int64_t high
   return floor < high && static_cast<double>(floor) < q ? floor + 1 : floor;
 }
 
-/// Cell of a grid that holds the coordinate `q` [cells]: within [0, cells).
-inline int cell_index(double q, int cells) noexcept { return static_cast<int>(count_floor(q, 0, cells - 1)); }
+/// Cell of a grid that holds the coordinate `q` [cells]: within [0, cells). Without a call, for every particle.
+inline int cell_index(double q, int cells) noexcept {
+  return !(q > 0) ? 0 : (q >= cells - 1 ? cells - 1 : static_cast<int>(q));
+}
 
 }  // namespace talus

@@ -4,14 +4,15 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/count.hpp"
+
 namespace talus {
 namespace {
 
 constexpr double k_edge = 0.5;  // of a cell, in reaches
-constexpr std::size_t k_cells_least = std::size_t{1} << 20, k_cells_most = std::size_t{1} << 21;
+constexpr std::size_t k_cells_least = std::size_t{1} << 20;
+constexpr std::int64_t k_cells_most = std::int64_t{1} << 21;
 constexpr std::size_t k_entries_base = std::size_t{1} << 21, k_entries_per_facet = 64;
-
-int clamped(double cell, int cells) { return cell <= 0 ? 0 : (cell >= cells - 1 ? cells - 1 : static_cast<int>(cell)); }
 
 }  // namespace
 
@@ -31,7 +32,7 @@ FacetGrid::FacetGrid(std::span<const TriangleElement> facets, double reach, doub
 
   // Cells below the reach give short lists; larger where the box would have too many cells, or where large
   // slanted facets would fill too many of them.
-  const std::size_t cell_limit = std::min(k_cells_most, std::max(k_cells_least, 4 * facets.size()));
+  const std::size_t cell_limit = std::min<std::size_t>(k_cells_most, std::max(k_cells_least, 4 * facets.size()));
   const std::size_t entry_limit = k_entries_base + k_entries_per_facet * facets.size();
   const Vec3 extent = upper_ - lower_;
   double edge = fmax2(k_edge * reach, 1e-6 * size);
@@ -46,7 +47,8 @@ FacetGrid::FacetGrid(std::span<const TriangleElement> facets, double reach, doub
 
 bool FacetGrid::fill(std::span<const TriangleElement> facets, double padded, double edge, std::size_t limit) {
   inverse_edge_ = 1 / edge;
-  for (int k = 0; k < 3; ++k) cells_[k] = static_cast<int>((upper_[k] - lower_[k]) * inverse_edge_) + 1;
+  for (int k = 0; k < 3; ++k)
+    cells_[k] = static_cast<int>(count_floor((upper_[k] - lower_[k]) * inverse_edge_, 0, k_cells_most)) + 1;
   const std::size_t total = static_cast<std::size_t>(cells_[0]) * cells_[1] * cells_[2];
   const double half_diagonal = 0.8660254037844387 * edge * (1 + 1e-9);
   const double near_enough = padded + half_diagonal;
@@ -59,8 +61,8 @@ bool FacetGrid::fill(std::span<const TriangleElement> facets, double padded, dou
     for (int k = 0; k < 3; ++k) {
       const double a = fmin2(t.v[0][k], fmin2(t.v[1][k], t.v[2][k])) - padded;
       const double b = fmax2(t.v[0][k], fmax2(t.v[1][k], t.v[2][k])) + padded;
-      lo[k] = clamped((a - lower_[k]) * inverse_edge_ - 1e-9, cells_[k]);
-      hi[k] = clamped((b - lower_[k]) * inverse_edge_ + 1e-9, cells_[k]);
+      lo[k] = cell_index((a - lower_[k]) * inverse_edge_ - 1e-9, cells_[k]);
+      hi[k] = cell_index((b - lower_[k]) * inverse_edge_ + 1e-9, cells_[k]);
     }
     // Walk the columns along the axis in which the facet's plane is steepest: only the slab around it is visited.
     int w = 0;
@@ -79,8 +81,8 @@ bool FacetGrid::fill(std::span<const TriangleElement> facets, double padded, dou
         const double middle = t.point[w] - plane_distance(t, centre) / t.normal[w];
         const double from = ((middle - half_height) - lower_[w]) * inverse_edge_ - 0.5;
         const double to = ((middle + half_height) - lower_[w]) * inverse_edge_ - 0.5;
-        const int first = std::max(lo[w], clamped(from - 1e-6, cells_[w]));
-        const int last = std::min(hi[w], clamped(to + 1 + 1e-6, cells_[w]));
+        const int first = std::max(lo[w], cell_index(from - 1e-6, cells_[w]));
+        const int last = std::min(hi[w], cell_index(to + 1 + 1e-6, cells_[w]));
         for (cell[w] = first; cell[w] <= last; ++cell[w]) {
           centre[w] = lower_[w] + (cell[w] + 0.5) * edge;
           if (closest(t, centre).distance > near_enough) continue;
@@ -105,7 +107,7 @@ std::span<const std::int32_t> FacetGrid::near(Vec3 c) const noexcept {
   std::array<int, 3> cell;
   for (int k = 0; k < 3; ++k) {
     if (!(c[k] >= lower_[k] && c[k] <= upper_[k])) return {};
-    cell[k] = clamped((c[k] - lower_[k]) * inverse_edge_, cells_[k]);
+    cell[k] = cell_index((c[k] - lower_[k]) * inverse_edge_, cells_[k]);
   }
   const std::int64_t id = (static_cast<std::int64_t>(cell[2]) * cells_[1] + cell[1]) * cells_[0] + cell[0];
   return {facets_.data() + first_[id], static_cast<std::size_t>(first_[id + 1] - first_[id])};

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
+
 namespace talus {
 namespace {
 
@@ -89,6 +91,42 @@ std::string shown(std::string_view text, std::size_t most) {
   std::size_t end = head;
   while (end > 0 && (static_cast<unsigned char>(out[end]) & 0xC0) == 0x80) --end;
   return out.substr(0, end) + "..." + out.substr(at_character(out, out.size() - tail));
+}
+
+std::string escaped_line(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t n = utf8_length(text, i), control = control_length(text, i);
+    const std::size_t length = n == 0 ? 1 : n;
+    if (n == 0 || control != 0)
+      out += escaped(text.substr(i, length));
+    else if (text[i] == '\\')
+      out += "\\\\";
+    else
+      out.append(text, i, length);
+    i += length;
+  }
+  return out;
+}
+
+std::string unescaped_line(std::string_view line) {
+  std::string out;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] != '\\' || i + 1 == line.size()) {
+      out += line[i];
+      continue;
+    }
+    const char c = line[++i];
+    unsigned value = 0;
+    const char* hex = line.data() + i + 1;
+    if (c == 'x' && i + 2 < line.size() && std::from_chars(hex, hex + 2, value, 16).ptr == hex + 2) {
+      out += static_cast<char>(value);
+      i += 2;
+    } else {
+      out += c == 'n' ? '\n' : c == 'r' ? '\r' : c == 't' ? '\t' : c;
+    }
+  }
+  return out;
 }
 
 }  // namespace talus

@@ -22,4 +22,9 @@ std::size_t control_length(std::string_view text, std::size_t at) noexcept;
 /// text longer than `most` bytes only its beginning and its end are kept, "..." between them.
 std::string shown(std::string_view text, std::size_t most = 80);
 
+/// The text as one line from which unescaped_line() restores every byte: \\, \n and \xNN stand for backslashes,
+/// control characters and bytes that are no UTF-8.
+std::string escaped_line(std::string_view text);
+std::string unescaped_line(std::string_view line);
+
 }  // namespace talus

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstring>
 
+#include "core/count.hpp"
 #include "scheduler/parallel.hpp"
 #include "scheduler/world.hpp"
 
@@ -95,7 +96,7 @@ GridLevel lay_level(const World& w, double top, std::int64_t particles) {
     double total = 1;
     for (int k = 0; k < 3; ++k) {
       const double c = w.size[k] / (2 * top * k_edge[k] * scale);
-      g.n[k] = c < 1 ? 1 : (c > 1e6 ? 1000000 : static_cast<std::int32_t>(c));
+      g.n[k] = static_cast<std::int32_t>(count_floor(c, 1, 1000000));
       g.inverse[k] = g.n[k] / w.size[k];
       total *= g.n[k];
     }
@@ -103,15 +104,10 @@ GridLevel lay_level(const World& w, double top, std::int64_t particles) {
   }
 }
 
-std::int32_t clamp_cell(double x, double inverse, std::int32_t n) {
-  const double c = x * inverse;
-  return !(c > 0) ? 0 : (c >= n ? n - 1 : static_cast<std::int32_t>(c));
-}
-
 std::int32_t cell_of(const GridLevel& g, const double* x) {
   return g.first_cell +
-         (clamp_cell(x[2], g.inverse[2], g.n[2]) * g.n[1] + clamp_cell(x[1], g.inverse[1], g.n[1])) * g.n[0] +
-         clamp_cell(x[0], g.inverse[0], g.n[0]);
+         (cell_index(x[2] * g.inverse[2], g.n[2]) * g.n[1] + cell_index(x[1] * g.inverse[1], g.n[1])) * g.n[0] +
+         cell_index(x[0] * g.inverse[0], g.n[0]);
 }
 
 /// Turns counts into first positions; start[cells] becomes the total.

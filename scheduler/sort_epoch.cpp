@@ -7,6 +7,7 @@
 #include <cstring>
 #include <utility>
 
+#include "core/count.hpp"
 #include "scheduler/hand_over.hpp"
 
 namespace talus {
@@ -21,11 +22,6 @@ std::uint64_t spread21(std::uint64_t x) {
   x = (x | x << 4) & 0x10c30c30c30c30c3;
   x = (x | x << 2) & 0x1249249249249249;
   return x;
-}
-
-std::int32_t cell_of(double x, double inverse, std::int32_t n) {
-  const auto c = static_cast<std::int32_t>(x * inverse);
-  return c < 0 ? 0 : (c >= n ? n - 1 : c);
 }
 
 constexpr int k_digit = 8;  ///< most bits per pass of the radix sort: counters of all blocks stay in L2
@@ -51,7 +47,7 @@ void sort_rows(World& w) {
       if (w.is_alive(static_cast<Row>(i))) {
         const double* x = w.p.data() + 4 * i;
         for (int a = 0; a < 3; ++a)
-          k |= spread21(static_cast<std::uint64_t>(cell_of(fmin2(x[a], w.size[a]), inverse, 1 << 21))) << a;
+          k |= spread21(static_cast<std::uint64_t>(cell_index(fmin2(x[a], w.size[a]) * inverse, 1 << 21))) << a;
         all |= k;
       } else {
         k = ~k;  // behind all others, as soon as one bit more than theirs is looked at

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "core/det_math.hpp"
+#include "core/count.hpp"
 #include "core/error.hpp"
 #include "core/io/input_file.hpp"
 #include "core/io/scene_table.hpp"
@@ -66,7 +66,7 @@ void read_time(const SceneTable& r, Scene& scene) {
   } else if (r.has("duration")) {
     const double steps = r.number("duration") / scene.dt;
     if (!(steps < 1e15)) r.fail("duration", "is more than 1e15 steps");
-    scene.steps = det::nearest(steps);
+    scene.steps = count_nearest(steps);
   } else {
     r.missing("steps", "(or time.duration)");
   }

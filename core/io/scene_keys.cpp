@@ -534,7 +534,7 @@ std::string allowed_text(const SceneKey& k) {
     case KeyType::boolean:
       return "true or false";
     case KeyType::text:
-      return "a text in quotes";
+      return "a text of one line in quotes, without control characters";
     case KeyType::choice:
       return "one of " + join_choices(k.choices);
     case KeyType::vector:
@@ -544,7 +544,7 @@ std::string allowed_text(const SceneKey& k) {
     case KeyType::cells:
       return "[nx, ny, nz], 3 integers, each " + range_text(k);
     case KeyType::text_pair:
-      return "[\"a\", \"b\"], 2 texts";
+      return "[\"a\", \"b\"], 2 texts of one line";
     case KeyType::id_range:
       return "[first, last], 2 ascending integers, each " + range_text(k);
     case KeyType::boundary:

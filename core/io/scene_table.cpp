@@ -11,6 +11,8 @@
 
 #include "core/error.hpp"
 #include "core/io/scene_keys.hpp"
+#include "core/io/scene_text.hpp"
+#include "core/text.hpp"
 
 namespace talus {
 [[noreturn]] static void toml_assertion(const char* text) { throw std::logic_error(text); }
@@ -22,8 +24,6 @@ namespace talus {
 
 namespace talus {
 namespace {
-
-constexpr std::size_t k_max_bytes = std::size_t{1} << 20;
 
 /// Where messages point: the text's name, and which paths were set on the command line.
 struct Context {
@@ -42,6 +42,35 @@ struct Context {
   }
 };
 
+// The only ways from a node to a value. toml++'s own value<T>() is empty for integers that T cannot hold exactly, which
+// is easily taken for a wrong type or, unchecked, for a value.
+
+/// Integers beyond 2^53 round as any other number would.
+std::optional<double> number_in(const toml::node& node) {
+  if (const auto* f = node.as_floating_point()) return f->get();
+  if (const auto* i = node.as_integer()) return static_cast<double>(i->get());
+  return {};
+}
+std::optional<std::int64_t> integer_in(const toml::node& node) {
+  const auto* i = node.as_integer();
+  return i != nullptr ? std::optional<std::int64_t>(i->get()) : std::nullopt;
+}
+std::optional<bool> boolean_in(const toml::node& node) {
+  const auto* b = node.as_boolean();
+  return b != nullptr ? std::optional<bool>(b->get()) : std::nullopt;
+}
+std::optional<std::string> text_in(const toml::node& node) {
+  const auto* t = node.as_string();
+  return t != nullptr ? std::optional<std::string>(t->get()) : std::nullopt;
+}
+
+/// A value whose type the Checker has established before.
+template <class T>
+T known(std::optional<T> value) {
+  if (!value) throw std::logic_error("a value of a scene was read as another type than it was checked for");
+  return *std::move(value);
+}
+
 /// A value as its author would write it, shortened.
 std::string value_text(const toml::node& node) {
   std::string s;
@@ -54,13 +83,13 @@ std::string value_text(const toml::node& node) {
   } else if (node.is_table()) {
     s = "{...}";
   } else if (node.is_floating_point()) {
-    s = fmt::format("{}", *node.value<double>());
+    s = fmt::format("{}", known(number_in(node)));
   } else {
     std::ostringstream out;
     node.visit([&](const auto& n) { out << n; });
     s = out.str();
   }
-  return s.size() > 60 ? s.substr(0, 57) + "..." : s;
+  return shown(s, 60);
 }
 
 [[noreturn]] void fail_value(const Context& ctx, const std::string& path, const toml::node& node,
@@ -70,55 +99,6 @@ std::string value_text(const toml::node& node) {
 }
 
 // ---------------------------------------------------------------------------------------------- guarded parse
-
-/// Refuses what the TOML parser must never see and blanks comments (they may hold any UTF-8 text).
-std::string guard(std::string_view text, const std::string& name) {
-  if (text.size() > k_max_bytes)
-    throw Error(ErrorCode::scene, fmt::format("the scene has {} bytes", text.size()), name, "at most 1 MiB is allowed");
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-  std::string clean(text);
-  int line = 1, column = 0;
-  char quote = 0;       // the quote that opened the present string
-  bool triple = false;  // of a multi-line string
-  bool comment = false;
-  for (std::size_t i = 0; i < clean.size(); ++i) {
-    const char c = clean[i];
-    ++column;
-    if (c == '\n') {
-      ++line;
-      column = 0;
-      comment = false;
-      if (!triple) quote = 0;  // the parser reports the unterminated string
-      continue;
-    }
-    const bool printable =
-        (c >= 0x20 && c < 0x7f) || c == '\t' || (c == '\r' && i + 1 < clean.size() && clean[i + 1] == '\n');
-    if (comment) {
-      if (!printable) clean[i] = '?';
-      continue;
-    }
-    if (!printable)
-      throw Error(ErrorCode::scene, fmt::format("byte 0x{:02x} outside a comment", static_cast<unsigned char>(c)),
-                  fmt::format("{}:{}:{}", name, line, column), "only printable ASCII characters are allowed");
-    const bool three = clean.compare(i, 3, std::string(3, c)) == 0;
-    if (quote != 0) {
-      if (c == '\\' && quote == '"') {
-        ++i, ++column;
-        if (i < clean.size() && clean[i] == '\n') ++line, column = 0;
-      } else if (c == quote && (!triple || three)) {
-        if (triple) i += 2, column += 2;
-        quote = 0;
-      }
-    } else if (c == '#') {
-      comment = true;
-    } else if (c == '"' || c == '\'') {
-      quote = c;
-      triple = three;
-      if (triple) i += 2, column += 2;
-    }
-  }
-  return clean;
-}
 
 toml::table parse_text(std::string_view text, const std::string& name) {
   try {
@@ -153,9 +133,11 @@ void apply_override(toml::table& root, const std::string& text, Context& ctx) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     throw Error(ErrorCode::scene, "not of the form section.key=value", where);
-  if (text.size() > k_max_bytes) throw Error(ErrorCode::scene, "longer than 1 MiB", "--set");
-  for (char c : text) {
-    if (c < 0x20 || c >= 0x7f) throw Error(ErrorCode::scene, "only printable ASCII characters are allowed", where);
+  if (text.size() > k_scene_bytes) throw Error(ErrorCode::scene, "longer than 1 MiB", "--set");
+  for (std::size_t i = 0, n = 0; i < text.size(); i += n) {
+    n = utf8_length(text, i);
+    if (n == 0 || control_length(text, i) != 0)
+      throw Error(ErrorCode::scene, "control characters and bytes that are no UTF-8 are not allowed", where);
   }
   const std::string path(trim(std::string_view(text).substr(0, equals)));
   const std::string value(trim(std::string_view(text).substr(equals + 1)));
@@ -204,7 +186,7 @@ void apply_override(toml::table& root, const std::string& text, Context& ctx) {
   if (path == "time.duration") table->erase("steps");
   toml::table parsed;
   try {
-    parsed = toml::parse("v = " + value, std::string_view("--set"));
+    parsed = toml::parse(guarded_scene_text("v = " + value, where), std::string_view("--set"));
   } catch (const std::exception&) {
     parsed.insert_or_assign("v", value);  // bare text
   }
@@ -250,9 +232,11 @@ bool is_choice(const SceneKey& key, const toml::node* node) {
 }
 
 template <class T>
-std::vector<T> list_values(const toml::node& node) {
+std::vector<T> list_values(const toml::node& node, std::optional<T> (*value_in)(const toml::node&)) {
+  const toml::array* list = node.as_array();
+  if (list == nullptr) throw std::logic_error("a value of a scene was read as a list");
   std::vector<T> values;
-  for (const toml::node& n : *node.as_array()) values.push_back(*n.value<T>());
+  for (const toml::node& n : *list) values.push_back(known(value_in(n)));
   return values;
 }
 
@@ -324,10 +308,12 @@ class Checker {
   }
 
   static bool in_range(const SceneKey& k, const toml::node& n, bool integer) {
-    if (integer && !n.is_integer()) return false;
-    if (!n.is_number()) return false;
-    const double v = *n.value<double>();
-    return std::isfinite(v) && (k.low_open ? v > k.low : v >= k.low) && v <= k.high;
+    const std::optional<double> v = number_in(n);
+    if (!v || (integer && !n.is_integer())) return false;
+    return std::isfinite(*v) && (k.low_open ? *v > k.low : *v >= k.low) && *v <= k.high;
+  }
+  static bool is_text(const toml::node* n) {
+    return n != nullptr && n->is_string() && is_scene_text(n->as_string()->get());
   }
   static bool list_of(const SceneKey& k, const toml::node& n, std::size_t size, bool integer) {
     const toml::array* a = n.as_array();
@@ -362,7 +348,7 @@ class Checker {
       case KeyType::boolean:
         return n.is_boolean();
       case KeyType::text:
-        return n.is_string();
+        return is_text(&n);
       case KeyType::choice:
         return is_choice(k, &n);
       case KeyType::vector:
@@ -373,11 +359,11 @@ class Checker {
         return list_of(k, n, 3, true);
       case KeyType::text_pair: {
         const toml::array* a = n.as_array();
-        return a != nullptr && a->size() == 2 && a->get(0)->is_string() && a->get(1)->is_string();
+        return a != nullptr && a->size() == 2 && is_text(a->get(0)) && is_text(a->get(1));
       }
       case KeyType::id_range: {
         const toml::array* a = n.as_array();
-        return list_of(k, n, 2, true) && *a->get(0)->value<std::int64_t>() <= *a->get(1)->value<std::int64_t>();
+        return list_of(k, n, 2, true) && integer_in(*a->get(0)) <= integer_in(*a->get(1));
       }
       case KeyType::boundary:
         return boundary_ok(k, n);
@@ -399,7 +385,7 @@ class Checker {
     const std::size_t equals = k->only.find('=');
     const std::string_view decider = k->only.substr(0, equals);
     const std::string bars = "|" + std::string(k->only.substr(equals + 1)) + "|";
-    const std::string decider_text = *node_of(&table_, section_, decider).value<std::string>();
+    const std::string decider_text = known(text_in(node_of(&table_, section_, decider)));
     if (bars.find("|" + decider_text + "|") != std::string::npos) return;
     std::string list = bars.substr(1, bars.size() - 2);
     for (std::size_t bar; (bar = list.find('|')) != std::string::npos;) list.replace(bar, 1, ", ");
@@ -426,7 +412,7 @@ SceneTable SceneTable::parse(std::string_view text, const std::string& name,
                              const std::vector<std::string>& overrides) {
   auto whole = std::make_shared<Text>();
   whole->context.name = name;
-  whole->root = parse_text(guard(text, name), name);
+  whole->root = parse_text(guarded_scene_text(text, name), name);
   for (const std::string& o : overrides) apply_override(whole->root, o, whole->context);
   const void* root = &whole->root;
   return SceneTable(std::move(whole), root, "", "");
@@ -450,20 +436,20 @@ bool SceneTable::has(std::string_view name) const {
 }
 
 double SceneTable::number(std::string_view name) const {
-  return *node_of(as_table(table_), section_, name).value<double>();
+  return known(number_in(node_of(as_table(table_), section_, name)));
 }
 std::optional<double> SceneTable::number_or_text(std::string_view name) const {
   const toml::node& n = node_of(as_table(table_), section_, name);
-  return n.is_string() ? std::nullopt : n.value<double>();
+  return n.is_string() ? std::nullopt : number_in(n);
 }
 std::int64_t SceneTable::integer(std::string_view name) const {
-  return *node_of(as_table(table_), section_, name).value<std::int64_t>();
+  return known(integer_in(node_of(as_table(table_), section_, name)));
 }
 bool SceneTable::boolean(std::string_view name) const {
-  return *node_of(as_table(table_), section_, name).value<bool>();
+  return known(boolean_in(node_of(as_table(table_), section_, name)));
 }
 std::string SceneTable::text(std::string_view name) const {
-  return *node_of(as_table(table_), section_, name).value<std::string>();
+  return known(text_in(node_of(as_table(table_), section_, name)));
 }
 
 Vec3 SceneTable::vector(std::string_view name) const {
@@ -479,13 +465,13 @@ Vec3 SceneTable::direction(std::string_view name) const {
 }
 
 std::vector<double> SceneTable::numbers(std::string_view name) const {
-  return list_values<double>(node_of(as_table(table_), section_, name));
+  return list_values<double>(node_of(as_table(table_), section_, name), number_in);
 }
 std::vector<std::int64_t> SceneTable::integers(std::string_view name) const {
-  return list_values<std::int64_t>(node_of(as_table(table_), section_, name));
+  return list_values<std::int64_t>(node_of(as_table(table_), section_, name), integer_in);
 }
 std::vector<std::string> SceneTable::texts(std::string_view name) const {
-  return list_values<std::string>(node_of(as_table(table_), section_, name));
+  return list_values<std::string>(node_of(as_table(table_), section_, name), text_in);
 }
 
 std::array<std::array<std::string, 2>, 3> SceneTable::boundary(std::string_view name) const {
@@ -494,7 +480,7 @@ std::array<std::array<std::string, 2>, 3> SceneTable::boundary(std::string_view 
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const toml::node& a = n.is_array() ? *n.as_array()->get(axis) : n;
     for (std::size_t side = 0; side < 2; ++side)
-      words[axis][side] = *(a.is_array() ? *a.as_array()->get(side) : a).value<std::string>();
+      words[axis][side] = known(text_in(a.is_array() ? *a.as_array()->get(side) : a));
   }
   return words;
 }
@@ -509,7 +495,7 @@ int SceneTable::index(std::string_view name, const std::vector<std::string>& nam
                       int entry) const {
   const toml::node& whole = node_of(as_table(table_), section_, name);
   const toml::node& n = entry < 0 ? whole : *whole.as_array()->get(static_cast<std::size_t>(entry));
-  const std::string wanted = *n.value<std::string>();
+  const std::string wanted = known(text_in(n));
   std::string list;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i] == wanted) return static_cast<int>(i);

@@ -17,7 +17,7 @@ namespace talus {
 
 class SceneTable {
  public:
-  /// Parses `text` with the guards of the format (at most 1 MiB, printable ASCII outside comments), applies the
+  /// Parses `text` with the guards of the format (core/io/scene_text.hpp), applies the
   /// overrides and checks the top level. Error{scene} with file:line:col.
   static SceneTable parse(std::string_view text, const std::string& name, const std::vector<std::string>& overrides);
 

@@ -486,12 +486,11 @@ TEST(SceneFile, ErrorsInOverridesNameTheOverride) {
   EXPECT_CONTAINS(refusal(k_minimal, {"lists.verlet_k=3"}), "lists: unknown section (did you mean 'list'?)");
   EXPECT_CONTAINS(refusal(k_minimal, {"wall.0.name=a"}), "the scene has 0 [[wall]]");
   EXPECT_CONTAINS(refusal(k_minimal, {"verlet"}), "section.key=value");
-  EXPECT_CONTAINS(refusal(k_minimal, {"seed=3\nsteps=4"}), "printable ASCII");
+  EXPECT_CONTAINS(refusal(k_minimal, {"seed=3\nsteps=4"}), "control characters");
   EXPECT_CONTAINS(refusal(k_minimal, {"gravity.x=3"}), "unknown section");
 }
 
 TEST(SceneFile, TextThatIsNotPlainTomlIsRefused) {
-  EXPECT_CONTAINS(refusal("title = \"\xc3\xbc\"\n"), "t.toml:1:10: byte 0xc3 outside a comment");
   EXPECT_EQ(parse(std::string("# gr\xc3\xbc\xc3\x9f\x01\n") + k_minimal).steps, 100);
   EXPECT_CONTAINS(refusal("title = \n"), "t.toml:1:");
   EXPECT_CONTAINS(refusal("a = 1\na = 2\n"), "t.toml:2:");
@@ -509,44 +508,6 @@ TEST(SceneFile, MissingFileIsASceneError) {
     EXPECT_EQ(e.exit_code(), 3);
     EXPECT_CONTAINS(e.what(), "/nonexistent/scene.toml: cannot open");
   }
-}
-
-// A broken text gives an Error, never another exception or an abort: byte deletions, doublings and replacements.
-TEST(SceneFile, MutatedTextsOnlyRaiseErrors) {
-  std::string all;
-  for (const SceneKey& key : scene_keys()) {
-    if (key.name.size() % 3 == 0) all += scene_key_example(key);
-  }
-  std::uint64_t state = 12345;
-  const auto random = [&](std::size_t n) {
-    state = state * 6364136223846793005ULL + 1442695040888963407ULL;
-    return static_cast<std::size_t>(state >> 33) % n;
-  };
-  const std::string alphabet = "[]{}=\"'.,#\n\\ \t0123456789eE+-_abtfxinu:TZ";
-  int refused = 0;
-  for (int i = 0; i < 4000; ++i) {
-    std::string text = i % 2 == 0 ? std::string(k_minimal) : all.substr(random(all.size()), 400);
-    for (std::size_t k = 0, n = 1 + random(4); k < n && !text.empty(); ++k) {
-      const std::size_t at = random(text.size());
-      switch (random(3)) {
-        case 0:
-          text.erase(at, 1 + random(5));
-          break;
-        case 1:
-          text.insert(at, text.substr(random(text.size()), random(20)));
-          break;
-        default:
-          text[at] = alphabet[random(alphabet.size())];
-      }
-    }
-    try {
-      parse(text);
-    } catch (const Error& e) {
-      ++refused;
-      ASSERT_EQ(e.code(), ErrorCode::scene);
-    }
-  }
-  EXPECT_GT(refused, 2000);
 }
 
 TEST(SceneHelp, ListsEveryKeyOnceWithTypeAndDefault) {

@@ -45,6 +45,19 @@ TEST(Text, LongTextsLoseTheirMiddleAndStayWholeCharacters) {
   EXPECT_LE(huge.size(), 20u);
 }
 
+TEST(Text, AnEscapedLineIsOneLineAndReadsBackToTheSameBytes) {
+  std::string all;
+  for (int c = 0; c < 256; ++c) all += static_cast<char>(c);
+  for (const std::string& text : {all, std::string("a\\nb\n#: set x=1"), std::string("gr\xc3\xbc\xc3\x9f \\x41"),
+                                  std::string("\xe2\x80\xa8"), std::string("end\\"), std::string()}) {
+    const std::string line = escaped_line(text);
+    EXPECT_EQ(line.find('\n'), std::string::npos);
+    EXPECT_EQ(first_invalid_utf8(line), std::string_view::npos);
+    EXPECT_EQ(unescaped_line(line), text) << line;
+  }
+  EXPECT_EQ(escaped_line("plain/folder gr\xc3\xbc\xc3\x9f"), "plain/folder gr\xc3\xbc\xc3\x9f");
+}
+
 TEST(Text, MessagesOfErrorsAreOneLineOfAtMostAThousandBytes) {
   const std::string bytes = std::string(100000, '\x01') + "\n";
   const std::string m = Error(ErrorCode::scene, bytes, "folder/" + bytes + "/scene.toml:3:7", bytes).what();
