@@ -7,6 +7,7 @@
 
 #include "core/count.hpp"
 #include "core/error.hpp"
+#include "core/region.hpp"
 
 namespace talus {
 
@@ -20,23 +21,10 @@ double below(double t) {
   if (t >= 1) return 1;
   return 0.25 * (2 + 3 * t - t * t * t);
 }
-double between(double lower, double upper, double centre, double r) {
-  return below((upper - centre) / r) - below((lower - centre) / r);
-}
-
 double volume_of(double r) { return 4.0 / 3.0 * k_pi * (r * r * r); }
 
 double mass_of(const Frame& f, const Scene& s, std::size_t i) {
   return volume_of(f.r[i]) * s.materials[f.material.empty() ? 0 : f.material[i]].density;
-}
-
-double weight(const Region& g, Vec3 c, double r) {
-  const double wz = between(g.lower.z, g.upper.z, c.z, r);
-  if (g.radius > 0) {
-    const double dx = c.x - 0.5 * (g.lower.x + g.upper.x), dy = c.y - 0.5 * (g.lower.y + g.upper.y);
-    return wz * below((g.radius - std::sqrt(dx * dx + dy * dy)) / r);
-  }
-  return wz * between(g.lower.x, g.upper.x, c.x, r) * between(g.lower.y, g.upper.y, c.y, r);
 }
 
 /// Weighted sums of one region or cell; add() all particles, mean(), deviate() all particles, finish().
@@ -100,14 +88,13 @@ RegionAverage average_region(const Frame& frame, const Scene& scene, const Regio
   Sums sums;
   for (int pass = 0; pass < 2; ++pass) {
     for (std::size_t i = 0; i < frame.x.size(); ++i) {
-      const double share = weight(region, frame.x[i], frame.r[i]);
+      const double share = share_inside(scene.domain, region, frame.x[i], frame.r[i]);
       if (share <= 0) continue;
       pass == 0 ? sums.add(frame, scene, i, share) : sums.deviate(frame, scene, i, share);
     }
     if (pass == 0) sums.close();
   }
-  const Vec3 d = region.upper - region.lower;
-  return sums.finish(region.radius > 0 ? k_pi * region.radius * region.radius * d.z : d.x * d.y * d.z);
+  return sums.finish(volume(region));
 }
 
 GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3> cells) {

@@ -14,8 +14,8 @@
 
 namespace talus {
 
-/// Averages over one region; a sphere that is partly inside counts by its share w of volume inside. The share is the
-/// product of one spherical-cap fraction per axis: exact when one face cuts the sphere, close at edges and corners.
+/// Averages over one region; a sphere that is partly inside counts by its share w of volume inside (share_inside in
+/// core/region.hpp: also what sticks through a periodic side counts where it comes in again).
 struct RegionAverage {
   double particles = 0;            ///< sum of w
   double solid_fraction = 0;       ///< sum of w V_p / region volume

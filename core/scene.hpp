@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -108,10 +109,22 @@ struct SizeDistribution {
   double largest() const noexcept;   ///< upper bound of the support [m]
 };
 
-/// Axis-aligned box, or upright cylinder (axis z) when radius > 0 (centre = middle of the box in x, y) [m].
+class ClosedSurface;
+
+/// Part of space within the box [lower, upper] [m]; what lies in it is decided in core/region.hpp. box: all of the box
+/// or, where radius > 0, the upright cylinder about its middle. cylinder: of the radius about the line from `point` to
+/// `point + length * axis`. sphere: of the radius about `point`. mesh: what the surface encloses.
 struct Region {
-  Vec3 lower, upper;
+  enum class Shape : std::uint8_t { box, cylinder, sphere, mesh };
+  Vec3 lower, upper;  ///< bounds of every shape
   double radius = 0;
+  Shape shape = Shape::box;
+  Vec3 point{}, axis{0, 0, 1};  ///< axis: unit
+  double length = 0;
+  std::string file{};  ///< mesh: STL, OBJ, PLY; scaled and shifted like that of a wall
+  double scale = 1;
+  Vec3 shift{};
+  std::shared_ptr<const ClosedSurface> surface{};  ///< mesh: set when the file is read (load_region)
 };
 
 /// Source of particles. file: at step 0. lattice/random: once at time `start`. stream: batches every `interval` from
@@ -134,6 +147,9 @@ struct Source {
   enum class Lattice : std::uint8_t { hexagonal, cubic } lattice = Lattice::hexagonal;
   double start = 0, end = k_never;  ///< [s]
   int group = -1;                   ///< index into groups, or -1
+  bool allow_wall_overlap = false;  ///< grains may be placed into walls
+  /// Where grains go with respect to closed walls (boxes and watertight meshes).
+  enum class ClosedWalls : std::uint8_t { both, outside, inside } closed_walls = ClosedWalls::both;
 };
 
 enum class WallShape : std::uint8_t { plane, cylinder, cone, box, mesh };

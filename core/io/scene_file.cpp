@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "core/io/input_file.hpp"
 #include "core/io/scene_table.hpp"
+#include "core/region.hpp"
 
 namespace talus {
 namespace {
@@ -19,12 +20,62 @@ void check_box(const SceneTable& r, Vec3 lower, Vec3 upper) {
   }
 }
 
+void read_cylinder(const SceneTable& r, Region& region) {
+  region.point = r.vector("point");
+  if (!r.has("end")) {
+    r.require("length", "(or end) by shape = cylinder");
+    region.axis = r.direction("axis");
+    region.length = r.number("length");
+    return;
+  }
+  r.exclusive("length", "end");
+  r.exclusive("axis", "end");
+  region.axis = r.vector("end") - region.point;
+  region.length = norm(region.axis);
+  if (!(region.length > 0)) r.fail("end", "must differ from 'point'");
+}
+
+/// Everything but the surface of a mesh, which load_scene() reads when the scene has been found valid.
 Region read_region(const SceneTable& r) {
   Region region;
-  region.lower = r.vector("lower");
-  region.upper = r.vector("upper");
-  check_box(r, region.lower, region.upper);
+  region.shape = r.choice<Region::Shape>("shape");
+  const std::string why = "by shape = " + r.text("shape");
+  const auto require = [&](std::initializer_list<std::string_view> names) {
+    for (const std::string_view name : names) r.require(name, why);
+  };
+  switch (region.shape) {
+    case Region::Shape::box:
+      require({"lower", "upper"});
+      region.lower = r.vector("lower");
+      region.upper = r.vector("upper");
+      check_box(r, region.lower, region.upper);
+      break;
+    case Region::Shape::cylinder:
+      require({"point", "radius"});
+      read_cylinder(r, region);
+      break;
+    case Region::Shape::sphere:
+      require({"centre", "radius"});
+      region.point = r.vector("centre");
+      break;
+    case Region::Shape::mesh:
+      require({"file"});
+      region.file = r.text("file");
+      if (region.file.empty()) r.fail("file", "must not be empty");
+      region.scale = r.number("scale");
+      region.shift = r.vector("shift");
+      return region;
+  }
   region.radius = r.number_or("radius", 0);
+  if (region.shape != Region::Shape::box) set_bounds(region);
+  return region;
+}
+
+/// A region that only counts where it meets the domain.
+Region read_region(const SceneTable& r, const Domain& domain, bool within) {
+  const Region region = read_region(r);
+  if (region.shape == Region::Shape::mesh) return region;
+  if (const auto fault = region_fault(domain, region, within)) r.fail(fault->key, fault->text);
   return region;
 }
 
@@ -254,14 +305,6 @@ SizeDistribution read_size(const SceneTable& r) {
   return s;
 }
 
-void check_inside(const SceneTable& source, const Region& region, const Domain& domain) {
-  for (int k = 0; k < 3; ++k) {
-    if (region.lower[k] < domain.lower[k] || region.upper[k] > domain.upper[k])
-      source.section("region").fail(region.lower[k] < domain.lower[k] ? "lower" : "upper",
-                                    "the region must lie within the domain");
-  }
-}
-
 Source read_source(const SceneTable& r, const Scene& scene, const std::vector<std::string>& materials,
                    const std::vector<std::string>& groups, std::vector<std::string>& names) {
   Source s;
@@ -286,8 +329,7 @@ Source read_source(const SceneTable& r, const Scene& scene, const std::vector<st
   const std::string why = "by kind = " + r.text("kind");
   r.require("region", why);
   r.require("size", why);
-  s.region = read_region(r.section("region"));
-  check_inside(r, s.region, scene.domain);
+  s.region = read_region(r.section("region"), scene.domain, true);
   s.size = read_size(r.section("size"));
   s.velocity = r.vector("velocity");
   s.velocity_jitter = r.number("velocity_jitter");
@@ -300,6 +342,8 @@ Source read_source(const SceneTable& r, const Scene& scene, const std::vector<st
   s.start = r.number("start");
   s.end = r.number_or("end", k_never);
   if (!(s.end > s.start)) r.fail("end", "must be after 'start'");
+  s.allow_wall_overlap = r.boolean("allow_wall_overlap");
+  s.closed_walls = r.choice<Source::ClosedWalls>("closed_walls");
   if (s.kind == Kind::random && s.number == 0 && s.mass == 0) r.missing("number", "(or mass) by kind = random");
   if (s.kind == Kind::stream) {
     r.exclusive("number_rate", "mass_rate");
@@ -426,7 +470,7 @@ ListSettings read_list(const SceneTable& r, const Scene& scene) {
   return l;
 }
 
-OutputSettings read_output(const SceneTable& r) {
+OutputSettings read_output(const SceneTable& r, const Domain& domain) {
   OutputSettings o;
   o.particles_every = r.number("particles_every");
   o.vtkhdf = r.boolean("vtkhdf");
@@ -445,7 +489,8 @@ OutputSettings read_output(const SceneTable& r) {
   for (const SceneTable& p : r.sections("plane"))
     o.flux_planes.push_back({unique_name(p, "", names), p.vector("point"), p.direction("normal")});
   names.clear();
-  for (const SceneTable& p : r.sections("region")) o.regions.push_back({unique_name(p, "", names), read_region(p)});
+  for (const SceneTable& p : r.sections("region"))
+    o.regions.push_back({unique_name(p, "", names), read_region(p, domain, false)});
   return o;
 }
 
@@ -481,7 +526,7 @@ Scene parse_scene(std::string_view text, std::string name, std::string directory
   for (const SceneTable& r : root.sections("wall")) scene.walls.push_back(read_wall(r, material_names, names));
   for (const SceneTable& r : root.sections("event")) scene.events.push_back(read_event(r, group_names));
   scene.list = read_list(root.section("list"), scene);
-  scene.output = read_output(root.section("output"));
+  scene.output = read_output(root.section("output"), scene.domain);
   const SceneTable checks = root.section("checks");
   scene.max_overlap = checks.number("max_overlap");
   scene.allow_initial_overlap = checks.boolean("allow_initial_overlap");
@@ -503,7 +548,9 @@ Scene load_scene(const std::string& path, const std::vector<std::string>& overri
   const std::string text =
       read_input_text(path, {ErrorCode::scene, "scene file", k_most_bytes, "give the path of a TOML scene file"});
   const std::size_t slash = path.rfind('/');
-  return parse_scene(text, path, slash == std::string::npos ? "." : path.substr(0, slash + 1), overrides);
+  Scene scene = parse_scene(text, path, slash == std::string::npos ? "." : path.substr(0, slash + 1), overrides);
+  load_regions(scene);
+  return scene;
 }
 
 }  // namespace talus

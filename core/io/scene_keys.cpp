@@ -24,12 +24,12 @@ constexpr SceneSection k_sections[] = {
     {"contact", false, "contact law and its coefficients for all pairs of materials"},
     {"pair", true, "coefficients of one pair of materials, in place of those of [contact]"},
     {"source", true, "where particles come from"},
-    {"source.region", false, "box or upright cylinder that a source fills"},
+    {"source.region", false, "box, cylinder, sphere or inside of a mesh that a source fills"},
     {"source.size", false, "distribution of particle diameters of a source"},
     {"wall", true, "a rigid wall"},
     {"wall.motion", false, "motion of a wall within [start, end)"},
     {"group", true, "a named set of particles, for events"},
-    {"group.region", false, "box or upright cylinder that selects the group's particles at the time of an event"},
+    {"group.region", false, "part of space that selects the group's particles at the time of an event"},
     {"event", true, "an action at a time"},
     {"list", false, "neighbour list; never changes a trajectory"},
     {"output", false, "what is written, and how often"},
@@ -38,6 +38,35 @@ constexpr SceneSection k_sections[] = {
     {"checks", false, "limits that warn or stop a run, and permissions to ignore them"},
     {"relax", false, "limited-velocity relaxation of initial overlaps; off unless steps is given"},
 };
+
+// Keys of every section that describes a part of space.
+// clang-format off
+#define TALUS_REGION_KEYS(section)                                                                                    \
+  {section, "shape", T::choice, "", 0, 0, false, "box|cylinder|sphere|mesh", "\"box\"", "",                           \
+   "box, cylinder about any axis, sphere, or the inside of a watertight mesh", "\"box\""},                            \
+  {section, "lower", T::vector, "m", -k_length, k_length, false, "", "(required by box)", "shape=box",                 \
+   "lower corner", "[0.1, 0.1, 0.1]"},                                                                                 \
+  {section, "upper", T::vector, "m", -k_length, k_length, false, "", "(required by box)", "shape=box",                 \
+   "upper corner", "[0.9, 0.9, 0.9]"},                                                                                 \
+  {section, "radius", T::number, "m", 0, k_length, true, "", "(required by cylinder and sphere; a box needs none)",    \
+   "shape=box|cylinder|sphere", "makes a box the upright cylinder about its middle", "0.3"},                           \
+  {section, "point", T::vector, "m", -k_length, k_length, false, "", "(required by cylinder)", "shape=cylinder",       \
+   "centre of the first end of the cylinder", "[0.5, 0.5, 0.5]"},                                                      \
+  {section, "axis", T::vector, "-", -k_big, k_big, false, "", "[0, 0, 1]", "shape=cylinder",                           \
+   "direction from the first end to the other", "[0, 1, 0]"},                                                          \
+  {section, "length", T::number, "m", 0, k_length, true, "", "(this or end)", "shape=cylinder",                        \
+   "distance of the two ends", "0.2"},                                                                                 \
+  {section, "end", T::vector, "m", -k_length, k_length, false, "", "(this or axis and length)", "shape=cylinder",      \
+   "centre of the other end", "[0.5, 0.5, 0.8]"},                                                                      \
+  {section, "centre", T::vector, "m", -k_length, k_length, false, "", "(required by sphere)", "shape=sphere",          \
+   "centre of the sphere", "[0.5, 0.5, 0.5]"},                                                                         \
+  {section, "file", T::text, "", 0, 0, false, "", "(required by mesh)", "shape=mesh",                                  \
+   "STL, OBJ or PLY file without holes, relative to the scene", "\"drum.stl\""},                                      \
+  {section, "scale", T::number, "-", 0, k_big, true, "", "1", "shape=mesh", "factor on the file's coordinates",        \
+   "0.001"},                                                                                                           \
+  {section, "shift", T::vector, "m", -k_length, k_length, false, "", "[0, 0, 0]", "shape=mesh",                        \
+   "added after scaling", "[0, 0, 0.1]"}
+// clang-format on
 
 // section, name, type, unit, low, high, low_open, choices, fallback, only, doc, example
 constexpr SceneKey k_keys[] = {
@@ -187,13 +216,17 @@ constexpr SceneKey k_keys[] = {
     {"source", "end", T::number, "s", 0, k_big, false, "", "(never)", "kind=stream", "no batches at or after this time",
      "2.0"},
     {"source", "group", T::text, "", 0, 0, false, "", "(none)", "", "group that the particles belong to", "\"bed\""},
+    {"source", "allow_wall_overlap", T::boolean, "", 0, 0, false, "", "false", "kind=lattice|random|stream",
+     "particles may be placed into walls and meshes, which then push them out; otherwise they keep clear of every wall "
+     "that acts at that time, where it then is",
+     "true"},
+    {"source", "closed_walls", T::choice, "", 0, 0, false, "both|outside|inside", "\"both\"",
+     "kind=lattice|random|stream",
+     "side of closed walls (boxes and watertight meshes) on which particles are placed; both: solid or container alike, "
+     "no particle cuts a surface",
+     "\"outside\""},
 
-    {"source.region", "lower", T::vector, "m", -k_length, k_length, false, "", "required", "", "lower corner",
-     "[0.1, 0.1, 0.1]"},
-    {"source.region", "upper", T::vector, "m", -k_length, k_length, false, "", "required", "", "upper corner",
-     "[0.9, 0.9, 0.9]"},
-    {"source.region", "radius", T::number, "m", 0, k_length, true, "", "(none: a box)", "",
-     "makes it an upright cylinder about the middle of the box", "0.3"},
+    TALUS_REGION_KEYS("source.region"),
 
     {"source.size", "kind", T::choice, "", 0, 0, false, "constant|uniform|normal|lognormal|sieve", "\"constant\"", "",
      "distribution of diameters", "\"constant\""},
@@ -265,12 +298,7 @@ constexpr SceneKey k_keys[] = {
     {"group", "ids", T::id_range, "-", 0, k_count, false, "", "(none)", "", "first and last particle id, both included",
      "[0, 99]"},
 
-    {"group.region", "lower", T::vector, "m", -k_length, k_length, false, "", "required", "", "lower corner",
-     "[0, 0, 0]"},
-    {"group.region", "upper", T::vector, "m", -k_length, k_length, false, "", "required", "", "upper corner",
-     "[1, 1, 0.5]"},
-    {"group.region", "radius", T::number, "m", 0, k_length, true, "", "(none: a box)", "",
-     "makes it an upright cylinder about the middle of the box", "0.3"},
+    TALUS_REGION_KEYS("group.region"),
 
     {"event", "time", T::number, "s", 0, k_big, false, "", "required", "", "when it happens", "0.2"},
     {"event", "action", T::choice, "", 0, 0, false, "freeze|release|set_velocity|remove|gravity|drive", "required", "",
@@ -326,12 +354,7 @@ constexpr SceneKey k_keys[] = {
      "direction in which crossings count as positive", "[0, 0, -1]"},
 
     {"output.region", "name", T::text, "", 0, 0, false, "", "required", "", "unique name", "\"core\""},
-    {"output.region", "lower", T::vector, "m", -k_length, k_length, false, "", "required", "", "lower corner",
-     "[0.2, 0.2, 0]"},
-    {"output.region", "upper", T::vector, "m", -k_length, k_length, false, "", "required", "", "upper corner",
-     "[0.8, 0.8, 0.5]"},
-    {"output.region", "radius", T::number, "m", 0, k_length, true, "", "(none: a box)", "",
-     "makes it an upright cylinder about the middle of the box", "0.2"},
+    TALUS_REGION_KEYS("output.region"),
 
     {"checks", "max_overlap", T::number, "-", 0, 1, true, "", "0.5", "", "overlap / smaller radius that stops the run",
      "0.2"},
@@ -433,6 +456,10 @@ std::vector<Line> minimal_section(std::string_view section, std::string_view var
   }
   if (section.ends_with("region")) {
     std::vector<Line> lines = {{"lower", "[0.1, 0.1, 0.1]"}, {"upper", "[0.9, 0.9, 0.9]"}};
+    if (variant == "cylinder")
+      lines = {{"shape", "\"cylinder\""}, {"point", "[0.5, 0.5, 0.5]"}, {"length", "0.2"}, {"radius", "0.3"}};
+    if (variant == "sphere") lines = {{"shape", "\"sphere\""}, {"centre", "[0.5, 0.5, 0.5]"}, {"radius", "0.3"}};
+    if (variant == "mesh") lines = {{"shape", "\"mesh\""}, {"file", "\"drum.stl\""}};
     if (section == "output.region") lines.insert(lines.begin(), {"name", "\"core\""});
     return lines;
   }
@@ -486,9 +513,10 @@ std::string section_text(std::string_view section, std::string_view variant, con
   bool placed = section != key.section;
   for (const Line& line : section == "contact" ? contact_section(key) : minimal_section(section, variant)) {
     const bool same = section == key.section && line.name == key.name;
-    // steps and duration, number_rate and mass_rate exclude each other
+    // steps and duration, number_rate and mass_rate, length and end exclude each other
     if (section == key.section &&
-        ((line.name == "steps" && key.name == "duration") || (line.name == "number_rate" && key.name == "mass_rate")))
+        ((line.name == "steps" && key.name == "duration") || (line.name == "number_rate" && key.name == "mass_rate") ||
+         (line.name == "length" && key.name == "end")))
       continue;
     s += fmt::format("{} = {}\n", line.name, same ? key.example : line.value);
     placed = placed || same;
@@ -632,7 +660,7 @@ std::string scene_key_example(const SceneKey& key) {
   if (key.section == "pair" && key.name == "restitution") s += "restitution = 0.8\n";
   s += section_text("source", variant_of("source"), key);
   if (variant_of("source") != "file") {
-    s += section_text("source.region", "", key);
+    s += section_text("source.region", variant_of("source.region"), key);
     s += section_text("source.size", variant_of("source.size"), key);
   }
   s += section_text("group", "", key);
