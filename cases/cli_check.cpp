@@ -14,6 +14,7 @@
 #include "core/count.hpp"
 #include "core/insertion.hpp"
 #include "core/memory.hpp"
+#include "core/source_notes.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus::cli {
@@ -116,6 +117,11 @@ std::string time_text(const Advice& a, int threads) {
   return text;
 }
 
+std::vector<std::string> notes_of_later_sources(const Scene& scene) {
+  WallSet walls(in_stored_frame(scene), 1.01 * Insertion(scene).largest_radius());
+  return later_shortfalls(scene, walls);
+}
+
 }  // namespace
 
 int check(const Options& options) {
@@ -128,6 +134,7 @@ int check(const Options& options) {
   // The engine holds what is there now; later particles cost what the present ones do, lists included.
   const double memory =
       static_cast<double>(simulation.bytes()) + static_cast<double>(to_come) * plan.bytes_per_particle;
+  const std::vector<std::string> later = notes_of_later_sources(scene);
   const Advice advice = advise(scene, step, simulation, to_come, options.calibrate);
   // What the engine already holds is no longer available to it.
   const AvailableMemory left = available_memory();
@@ -154,6 +161,7 @@ int check(const Options& options) {
     j.add("failure", advice.cost.failure).end_object();
     j.begin_array("warnings");
     for (const Warning& w : simulation.warnings()) j.add("", w.text);
+    for (const std::string& note : later) j.add("", note);
     j.end_array();
     fmt::print("{}\n", j.end_object().text());
     return 0;
@@ -171,6 +179,7 @@ int check(const Options& options) {
              soft_text(scene, advice.soft), k_text(scene, advice));
   fmt::print("  run time    about {}\n", time_text(advice, plan.threads));
   for (const Warning& w : simulation.warnings()) fmt::print(stderr, "talus: warning: {}\n", w.text);
+  for (const std::string& note : later) fmt::print(stderr, "talus: warning: {}\n", note);
   if (!advice.cost.failure.empty())
     fmt::print(stderr, "talus: warning: the run would end early: {}\n", advice.cost.failure);
   if (!step.warning.empty()) fmt::print(stderr, "talus: warning: {}\n", step.warning);

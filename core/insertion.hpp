@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/scene.hpp"
@@ -30,19 +32,34 @@ struct PresentParticles {
 };
 
 class Occupied;
+class WallSet;
+class SourceWalls;
+class ClosedWalls;
+
+/// A stream that could not place in a batch what was due: placed of wanted particles; the rest waits for room.
+struct Shortfall {
+  std::size_t source = 0;
+  std::int64_t placed = 0, wanted = 0;
+};
 
 class Insertion {
  public:
+  /// Reads the files of file sources. Errors: Error{scene} naming file and row for a particle outside the domain or a
+  /// value that is not finite or positive; for a source of which it is plain that its particles can never fit into its
+  /// region or into memory (with the number that fits).
   explicit Insertion(const Scene& scene);
-  /// Particles of step 0: all file sources, then lattice/random sources with start <= 0, in scene order.
-  /// Errors: Error{scene} naming file and row for a particle outside the domain, a non-finite or non-positive value, an
-  /// overlap deeper than allowed (lists the first pairs), a pack that does not fit (says how many fitted).
-  NewParticles initial();
+  ~Insertion();
+  /// Particles of step 0: all file sources, then lattice/random sources with start <= 0, in scene order, clear of
+  /// `walls` (the engine's, set to step 0; nullptr: there are none).
+  /// Errors: Error{scene} for an overlap in a file, with a particle or a wall, deeper than allowed (lists the first),
+  /// a pack that does not fit (says how many fitted).
+  NewParticles initial(const WallSet* walls = nullptr);
   /// First step >= n at which a batch is due (step 0 included: a stream's first batch), or INT64_MAX.
   std::int64_t next_step(std::int64_t n) const;
   /// The batch of step n (may be empty where nothing fits yet); advances the state. No overlap with `present`, also
-  /// across periodic faces.
-  NewParticles batch(std::int64_t n, const PresentParticles& present);
+  /// across periodic faces, nor with `walls` at step n.
+  NewParticles batch(std::int64_t n, const PresentParticles& present, const WallSet* walls = nullptr);
+  const std::vector<Shortfall>& shortfalls() const noexcept { return shortfalls_; }  ///< of the latest batch
   std::int64_t inserted() const noexcept { return inserted_; }
   /// All mutable state as bytes (checkpoint section "insertion") and back. Error{io} if it does not fit the scene.
   std::vector<std::uint8_t> save() const;
@@ -51,6 +68,7 @@ class Insertion {
   std::vector<char> materials() const;  ///< [materials] not 0 where a particle of it is or will be
   double smallest_radius() const;
   double largest_radius() const;
+  bool any_fixed() const;  ///< some particle of the initial files is frozen
 
  private:
   struct SourceState {
@@ -60,26 +78,39 @@ class Insertion {
     std::int64_t batches = 0;  ///< batches tried
     double carry = 0;          ///< fraction of a particle (or kg) owed by a rate
   };
+  struct Site;  ///< where a particle may go (insertion_fill.cpp)
+  // insertion_limits.cpp
+  void check_region(std::size_t source) const;
+  double check_numbers(std::size_t source) const;
+  void check_memory() const;
+  // insertion_file.cpp
   void read_file(std::size_t source);
+  std::size_t tiles(std::size_t source) const;
   Vec3 tile_size(std::size_t source) const;  ///< [m]
   void append_tiles(std::size_t source, NewParticles& out) const;
   std::string place_in_file(std::size_t particle) const;
-  void check_overlaps(const NewParticles& p) const;
+  std::vector<std::int32_t> in_rows(const NewParticles& p, double largest) const;
+  void check_overlaps(const NewParticles& p, const SourceWalls& walls) const;
+  // insertion.cpp
   std::int64_t due_step(std::size_t source, std::int64_t n) const;
   bool exhausted(std::size_t source) const;
+  // insertion_fill.cpp
   double next_radius(std::size_t source) const;
   double mass_of(std::size_t source, double r) const;
   void deliver(std::size_t source, Vec3 x, double r, NewParticles& out);
-  void fill_lattice(std::size_t source, Occupied& occupied, NewParticles& out);
-  void fill_random(std::size_t source, Occupied& occupied, NewParticles& out);
-  void fill_stream(std::size_t source, Occupied& occupied, NewParticles& out);
-  void fill(std::size_t source, const NewParticles& before, const PresentParticles& present, NewParticles& out);
+  void fill_lattice(std::size_t source, Site& site, NewParticles& out);
+  void fill_random(std::size_t source, Site& site, NewParticles& out);
+  void fill_stream(std::size_t source, Site& site, NewParticles& out);
+  void fill(std::size_t source, const NewParticles& before, const PresentParticles& present, const WallSet* walls,
+            NewParticles& out);
 
   const Scene scene_;
   std::vector<SourceState> state_;
   std::vector<SizeSampler> samplers_;            ///< one per source
   std::vector<NewParticles> files_;              ///< one per source, filled for file sources; read once; one tile
   std::vector<std::vector<std::int64_t>> rows_;  ///< line in the file of each particle of files_
+  std::unique_ptr<const ClosedWalls> closed_;    ///< only where a source keeps to one side of closed walls
+  std::vector<Shortfall> shortfalls_;
   std::int64_t inserted_ = 0;
 };
 

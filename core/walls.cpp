@@ -515,4 +515,13 @@ std::vector<WallSurface> WallSet::surfaces() const {
   return all;
 }
 
+Scene in_stored_frame(const Scene& scene) {
+  Scene local = scene;
+  local.domain.lower = {};
+  local.domain.upper = scene.domain.upper - scene.domain.lower;
+  for (WallSpec& s : local.walls)
+    for (Vec3* at : {&s.point, &s.lower, &s.upper, &s.shift, &s.motion.rotation_origin}) *at = *at - scene.domain.lower;
+  return local;
+}
+
 }  // namespace talus

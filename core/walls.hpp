@@ -101,4 +101,8 @@ class WallSet {
   std::unique_ptr<Impl> impl_;
 };
 
+/// The scene with its domain and walls moved so that the domain's lower corner is the origin. The engine's walls live
+/// in this frame, that of the stored positions: a scene keeps its bits wherever its domain lies (DESIGN 2).
+Scene in_stored_frame(const Scene& scene);
+
 }  // namespace talus

@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.hpp"
+#include "core/source_notes.hpp"
 #include "scheduler/parallel.hpp"
 #include "scheduler/world.hpp"
 
@@ -69,6 +71,29 @@ void judge_energy(World& w) {
 }
 
 }  // namespace
+
+void warn_of_sources(World& w) {
+  if (!w.has.walls) return;
+  for (std::string& note : sides_of_closed_walls(w.scene, w.walls))
+    w.monitor.warnings.push_back({"source", std::move(note), w.step, 1, 0, 0});
+  w.walls.set_step(w.step, w.scene.dt);
+}
+
+void warn_of_shortfalls(World& w) {
+  for (const Shortfall& f : w.insertion->shortfalls()) {
+    const std::string kind = "stream " + w.scene.sources[f.source].name;
+    const auto waiting = static_cast<double>(f.wanted - f.placed);
+    auto& all = w.monitor.warnings;
+    const auto known = std::find_if(all.begin(), all.end(), [&](const Warning& q) { return q.kind == kind; });
+    if (known == all.end()) {
+      const std::string text = shortfall_text(w.scene, f.source, f.placed, f.wanted);
+      all.push_back({kind, fmt::format("step {}: {} and wait for it", w.step, text), w.step, 1, waiting, 0});
+    } else {
+      ++known->count;
+      known->worst = fmax2(known->worst, waiting);
+    }
+  }
+}
 
 void warn_of_extent(World& w) {
   const double widest = fmax2(w.size.x, fmax2(w.size.y, w.size.z));

@@ -41,6 +41,10 @@ struct MonitorState {
 
 /// Warns at construction of a domain so wide that coordinates resolve overlaps badly.
 void warn_of_extent(World& w);
+/// Warns at construction of sources whose region lies on both sides of a closed wall.
+void warn_of_sources(World& w);
+/// Warns of streams that could not place all that was due in the batch of this step.
+void warn_of_shortfalls(World& w);
 /// Fills c.extremes from the step that has just been integrated; p, v2, scratch and wall contacts of the chunk.
 void observe_chunk(World& w, Chunk& c);
 /// Warnings and stops of the last step. Error{physics}.

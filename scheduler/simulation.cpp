@@ -88,13 +88,7 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   double reach = 0;
   for (const double r : {w.r_min, w.r_max})
     reach = fmax2(reach, r + 2 * w.skin.range(r) + w.skin.to_walls(w.skin(r, 1e30, 0)) + w.skin.drift_travel);
-  // Walls live in the frame of the stored positions: a scene keeps its bits wherever its domain lies (DESIGN 2).
-  Scene local = w.scene;
-  local.domain.lower = {};
-  local.domain.upper = w.size;
-  for (WallSpec& s : local.walls)
-    for (Vec3* at : {&s.point, &s.lower, &s.upper, &s.shift, &s.motion.rotation_origin}) *at = *at - scene.domain.lower;
-  w.walls = WallSet(local, reach + 0.5 * w.r_min,
+  w.walls = WallSet(in_stored_frame(w.scene), reach + 0.5 * w.r_min,
                     (1 + k_usual_skin) * w.r_max + 2 * w.skin.range(w.r_max) + w.skin.drift_travel);
   h.walls = w.walls.size() > 0;
   h.moving_walls = h.walls && w.walls.any_moving();
@@ -212,12 +206,11 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options) : impl_(st
   w.insertion = std::make_unique<Insertion>(scene);
   w.r_min = w.insertion->smallest_radius();
   w.r_max = w.insertion->largest_radius();
-  const NewParticles first = w.insertion->initial();
-  configure(w, scene, options,
-            std::any_of(first.fixed.begin(), first.fixed.end(), [](std::uint8_t f) { return f != 0; }));
+  configure(w, scene, options, w.insertion->any_fixed());
   time_step_limits(scene, w.r_min, w.r_max, 0, w.insertion->materials());  // refuses a step that cannot be stable
-  append_particles(w, first, true);
+  append_particles(w, w.insertion->initial(&w.walls), true);
   warn_of_extent(w);
+  warn_of_sources(w);
   choose_chunk(w);
   w.chunk_of = ChunkMap(w.chunk_size);
   make_chunks(w);

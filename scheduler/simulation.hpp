@@ -90,7 +90,7 @@ struct Plan {
 
 /// Something that the run-time monitor has seen: one entry per kind, in order of appearance.
 struct Warning {
-  std::string kind;  ///< overlap, travel, stiffness, energy
+  std::string kind;  ///< overlap, travel, stiffness, energy, extent, source, stream NAME
   std::string text;  ///< what, who, when and the cure, of the first time
   std::int64_t first_step = 0;
   std::int64_t count = 0;  ///< pairs, particles or balances above the level, summed over the sampled steps

@@ -1,5 +1,6 @@
 // Storage of particles and contacts: capacity, insertion, removal, chunks, and the order-free view of the state that
 // sort epochs, checkpoints and hashes share. Invariants: I2 (removal), I5, I6.
+#include <fmt/format.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 
 #include "core/det_math.hpp"
 #include "core/error.hpp"
+#include "core/memory.hpp"
 #include "scheduler/world.hpp"
 
 namespace talus {
@@ -74,10 +76,21 @@ void set_particle_capacity(World& w, Row n) {
   w.n = n;
 }
 
+/// Judges the memory that the columns take when they must grow: vectors double.
+void require_room(const World& w, std::size_t rows) {
+  constexpr double row = 250;  // [B] of all columns
+  const std::size_t room = w.p.capacity() / 4;
+  if (rows <= room) return;
+  const double more = static_cast<double>(std::max(rows, 2 * room)) - 0.5 * static_cast<double>(room);
+  require_memory(row * more, fmt::format("room for {} particles", rows), fmt::format("step {}", w.step),
+                 "let the sources deliver fewer", ErrorCode::physics);
+}
+
 void append_particles(World& w, const NewParticles& a, bool at_start) {
   const Row first = w.n;
   if (static_cast<std::int64_t>(first) + static_cast<std::int64_t>(a.size()) > (std::int64_t{1} << 30))
     throw Error(ErrorCode::physics, "more than 2^30 particles", "step " + std::to_string(w.step));
+  require_room(w, static_cast<std::size_t>(first) + a.size());
   set_particle_capacity(w, first + static_cast<Row>(a.size()));
   const double half = at_start ? 0.0 : 0.5 * w.scene.dt;  // a grain born at step n carries v(n-1/2) = v - g dt/2
   for (std::size_t q = 0; q < a.size(); ++q) {

@@ -35,6 +35,7 @@
 
 #include "core/det_math.hpp"
 #include "core/error.hpp"
+#include "core/region.hpp"
 #include "scheduler/available_cores.hpp"
 #include "scheduler/parallel.hpp"
 #include "scheduler/world.hpp"
@@ -178,6 +179,20 @@ Decision check_step(World& w, std::int64_t target) {
   return d;
 }
 
+namespace {
+
+/// Particles due at this step. A pack that finds no room ends a run that has come this far, not the scene.
+NewParticles batch_of(World& w) {
+  const PresentParticles present{std::span<const double>(w.p.data(), 4L * static_cast<std::size_t>(w.n))};
+  try {
+    return w.insertion->batch(w.step, present, &w.walls);
+  } catch (const Error& e) {
+    throw Error(ErrorCode::physics, e.what(), "step " + std::to_string(w.step));
+  }
+}
+
+}  // namespace
+
 void insert_step(World& w) {
   NodeTimer timer(w, w.serial, Node::insert);
   for (; w.next_event < w.scene.events.size(); ++w.next_event) {
@@ -202,15 +217,7 @@ void insert_step(World& w) {
         bool in = w.group[i] == e.group;
         if (g.fixed_in_file && w.fixed[i] != 0) in = true;
         if (g.ids && w.id[i] >= (*g.ids)[0] && w.id[i] <= (*g.ids)[1]) in = true;
-        if (g.region) {
-          const Vec3 x = w.position(i), lo = g.region->lower, hi = g.region->upper;
-          bool inside = x.x >= lo.x && x.x <= hi.x && x.y >= lo.y && x.y <= hi.y && x.z >= lo.z && x.z <= hi.z;
-          if (g.region->radius > 0) {
-            const double dx = x.x - 0.5 * (lo.x + hi.x), dy = x.y - 0.5 * (lo.y + hi.y);
-            inside = inside && dx * dx + dy * dy <= g.region->radius * g.region->radius;
-          }
-          in = in || inside;
-        }
+        if (g.region) in = in || inside(w.scene.domain, *g.region, w.position(i));
         if (!in) continue;
       }
       double* v = w.v.data() + static_cast<long>(w.stride) * i;
@@ -249,8 +256,8 @@ void insert_step(World& w) {
     }
   }
   if (w.has.insertion && w.insertion->next_step(w.step) == w.step) {
-    const NewParticles a = w.insertion->batch(
-        w.step, PresentParticles{std::span<const double>(w.p.data(), 4L * static_cast<std::size_t>(w.n))});
+    const NewParticles a = batch_of(w);
+    warn_of_shortfalls(w);
     if (a.size() > 0) {
       append_particles(w, a, w.step == 0);
       w.counters.inserted += static_cast<std::int64_t>(a.size());

@@ -168,12 +168,15 @@ TEST(Insertion, SourcesShareTheRoomAndTheCylinderHolds) {
 TEST(Insertion, PackThatDoesNotFitSaysHowManyFitted) {
   Scene s = box_scene();
   s.sources = {make_source(Source::Kind::random, s, 0.4)};
-  s.sources[0].number = 500;
+  s.sources[0].number = 150;
   const std::string m = refusal([&] { Insertion(s).initial(); });
   EXPECT_CONTAINS(m, "source 'test': only ");
-  EXPECT_CONTAINS(m, " of 500 particles fitted at random (solid fraction 0.");
-  s.sources[0].kind = Source::Kind::lattice;
-  EXPECT_CONTAINS(refusal([&] { Insertion(s).initial(); }), "particles fitted on the lattice, 500 were asked for");
+  EXPECT_CONTAINS(m, " of 150 particles fitted at random (solid fraction 0.");
+  s.sources.push_back(make_source(Source::Kind::lattice, s, 0.4));  // among what the first has placed
+  s.sources[0].number = 40;
+  s.sources[1].number = 80;
+  EXPECT_CONTAINS(refusal([&] { Insertion(s).initial(); }), "particles fitted on the lattice, 80 were asked for");
+  s.sources.pop_back();
   s.sources[0].size.diameter = 3;
   EXPECT_CONTAINS(refusal([&] { Insertion{s}; }), "the region is 2 m wide, the largest particle 3 m");
 }
