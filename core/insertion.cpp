@@ -10,6 +10,7 @@
 
 #include "core/det_math.hpp"
 #include "core/error.hpp"
+#include "core/region.hpp"
 #include "core/source_walls.hpp"
 
 namespace talus {
@@ -23,6 +24,7 @@ Insertion::Insertion(const Scene& scene) : scene_(scene) {
   state_.resize(scene_.sources.size());
   files_.resize(scene_.sources.size());
   rows_.resize(scene_.sources.size());
+  require_loaded(scene_);
   for (std::size_t s = 0; s < scene_.sources.size(); ++s) {
     const Source& source = scene_.sources[s];
     samplers_.emplace_back(source.size);
@@ -40,8 +42,12 @@ Insertion::Insertion(const Scene& scene) : scene_(scene) {
   }
   check_memory();
   const auto one_sided = [](const Source& s) { return s.closed_walls != Source::ClosedWalls::both; };
-  if (std::any_of(scene_.sources.begin(), scene_.sources.end(), one_sided))
-    closed_ = std::make_unique<const ClosedWalls>(scene_);
+  if (std::none_of(scene_.sources.begin(), scene_.sources.end(), one_sided)) return;
+  closed_ = std::make_unique<const ClosedWalls>(scene_);
+  for (const Source& s : scene_.sources)
+    if (s.closed_walls == Source::ClosedWalls::inside && !closed_->any())
+      throw Error(ErrorCode::scene, "closed_walls = \"inside\", but no wall is closed",
+                  fmt::format("source '{}'", s.name), "a box or a watertight mesh encloses a volume");
 }
 
 Insertion::~Insertion() = default;

@@ -223,6 +223,18 @@ void load_regions(Scene& scene) {
   for (auto& a : scene.output.regions) load(a.region, fmt::format("output region '{}'", a.name), false);
 }
 
+void require_loaded(const Scene& scene) {
+  const auto require = [](const Region& g, const std::string& where) {
+    if (g.shape == Shape::mesh && g.surface == nullptr)
+      throw Error(ErrorCode::scene, fmt::format("the mesh {} of a region has not been read", g.file), where,
+                  "load_regions() reads it");
+  };
+  for (const Source& s : scene.sources) require(s.region, fmt::format("source '{}'", s.name));
+  for (const GroupSpec& g : scene.groups)
+    if (g.region) require(*g.region, fmt::format("group '{}'", g.name));
+  for (const auto& a : scene.output.regions) require(a.region, fmt::format("output region '{}'", a.name));
+}
+
 std::optional<RegionFault> region_fault(const Domain& d, const Region& g, bool within) {
   for (int k = 0; k < 3; ++k) {
     const double length = d.upper[k] - d.lower[k], tiny = g.shape == Shape::box ? 0 : 1e-12 * length;

@@ -38,6 +38,8 @@ void load_region(Region& region, const std::string& directory, const std::string
 /// Of all regions of the scene: sources, groups, averages. Error{scene} also where a mesh turns out not to fit into the
 /// domain.
 void load_regions(Scene& scene);
+/// Error{scene} for a region whose mesh has not been read: a scene that was put together or parsed, but not loaded.
+void require_loaded(const Scene& scene);
 
 /// What keeps a region from being used, and the key at which that is said.
 struct RegionFault {

@@ -1,6 +1,7 @@
 // Walls as sources see them. Who calls it: see the header. Invariants: see the header.
 #include "core/source_walls.hpp"
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 
@@ -34,6 +35,10 @@ std::unique_ptr<const ClosedSurface> closed_surface(const Scene& scene, const Wa
 
 ClosedWalls::ClosedWalls(const Scene& scene) : domain_(scene.domain) {
   for (const WallSpec& w : scene.walls) surfaces_.push_back(closed_surface(scene, w));
+}
+
+bool ClosedWalls::any() const {
+  return std::any_of(surfaces_.begin(), surfaces_.end(), [](const auto& s) { return s != nullptr; });
 }
 
 bool ClosedWalls::inside(const WallSet& walls, int wall, Vec3 x) const {

@@ -23,6 +23,7 @@ class ClosedWalls {
   /// do not act. Periodic images of the wall count.
   bool inside(const WallSet& walls, int wall, Vec3 x) const;
   bool inside_any(const WallSet& walls, Vec3 x) const;
+  bool any() const;
   bool closed(int wall) const { return surfaces_[static_cast<std::size_t>(wall)] != nullptr; }
   /// Points all over the surface of a closed wall at its pose [m].
   std::vector<Vec3> points(const WallSet& walls, int wall) const;

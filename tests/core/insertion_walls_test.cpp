@@ -370,6 +370,13 @@ TEST(InsertionClosedWalls, GrainsGoToTheSideThatIsAskedFor) {
   }
 }
 
+TEST(InsertionClosedWalls, InsideNeedsAWallThatEncloses) {
+  Scene s = open_scene({wall_test::plane_wall({1.5, 1.5, 1.5}, {1, 0, 0})});
+  s.sources = {pack(s, Source::Kind::random, 0.04, 10)};
+  s.sources[0].closed_walls = Source::ClosedWalls::inside;
+  EXPECT_CONTAINS(refusal([&] { Insertion{s}; }), "closed_walls = \"inside\", but no wall is closed");
+}
+
 TEST(InsertionClosedWalls, TheSideFollowsTheWallsPose) {
   WallSpec cube = wall_test::box_wall({1.3, 1.3, 1.3}, {1.7, 1.7, 1.7});
   cube.motion.velocity = {0.1, 0, 0};

@@ -360,7 +360,9 @@ TEST(RegionKeys, AMeshIsReadWithTheSceneAndRefusedWhereItHasHoles) {
                         {3, 7, 5}});
   const std::string keys = "shape = \"mesh\"\nfile = \"region_cube.obj\"\nscale = 0.5\n";
   Scene s = with_region(keys + "shift = [0.25, 0.25, 1]\n");
+  EXPECT_CONTAINS(refusal([&] { require_loaded(s); }), "has not been read");
   load_regions(s);
+  require_loaded(s);
   EXPECT_NEAR(volume(s.sources[0].region), 0.125, 1e-9);
   EXPECT_TRUE(inside(s.sources[0].region, {0.7, 0.7, 1.4}));
   Scene outside = with_region(keys + "shift = [0.75, 0.25, 1]\n");
