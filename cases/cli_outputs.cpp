@@ -70,7 +70,6 @@ struct RunOutputs::Impl {
   std::optional<FrameStream> particles, walls, contacts;
   std::optional<PvdCollection> grid;
   std::optional<SeriesWriter> series;
-  FluxPlanes flux;
   bool row_needs_frame = false;
   std::int64_t start = 0;  ///< step that the run begins with
   bool resumed = false;
@@ -82,8 +81,7 @@ struct RunOutputs::Impl {
         frames(s.output.particles_every, s.dt),
         rows(s.output.csv_every, s.dt),
         checkpoints(static_cast<double>(every), 1),
-        moving_walls(walls_change(s)),
-        flux(s) {}
+        moving_walls(walls_change(s)) {}
 
   void write_frame(const Simulation& simulation) {
     FrameRequest request;
@@ -101,7 +99,7 @@ struct RunOutputs::Impl {
     }
   }
 
-  void write_row(const Simulation& simulation, const std::optional<Frame>& frame) {
+  SeriesRow row_of(const Simulation& simulation, const std::optional<Frame>& frame) const {
     const Counters c = simulation.counters();
     SeriesRow row;
     row.step = simulation.step();
@@ -114,13 +112,13 @@ struct RunOutputs::Impl {
     row.removed_mass = c.removed_mass;
     row.kinetic_energy = simulation.kinetic_energy();
     if (scene.output.energies) row.energies = simulation.energies();
+    row.planes = simulation.planes();
     if (frame) {
       row.walls = frame->wall_loads;
-      row.planes = flux.totals();
       for (const auto& average : scene.output.regions)
         row.regions.push_back(average_region(*frame, scene, average.region));
     }
-    series->append(row);
+    return row;
   }
 };
 
@@ -133,7 +131,6 @@ RunOutputs::RunOutputs(const RunFolder& folder, const Simulation& simulation, co
   m.resumed = checkpoint != nullptr;
   if (m.resumed) m.checkpoint_step = m.start;
   const std::int64_t resume_step = append ? m.start : -1;
-  if (checkpoint != nullptr && checkpoint->has("flux")) m.flux.load(checkpoint->section("flux"));
 
   FrameRequest names;
   names.walls = true;
@@ -155,10 +152,11 @@ RunOutputs::RunOutputs(const RunFolder& folder, const Simulation& simulation, co
     }
   }
   if (m.rows.on()) {
-    m.row_needs_frame = !walls.empty() || !scene.output.flux_planes.empty() || !scene.output.regions.empty();
+    m.row_needs_frame = !walls.empty() || !scene.output.regions.empty();
     const SeriesLayout layout = SeriesLayout::of(scene, walls);
     m.series = resume_step < 0 ? SeriesWriter(folder.series(), layout)
                                : SeriesWriter::resume(folder.series(), layout, resume_step);
+    if (m.resumed) m.series->start_from(m.row_of(simulation, std::nullopt));
   }
 }
 
@@ -182,9 +180,8 @@ void RunOutputs::write(const Simulation& simulation) {
       request.coordination = m.scene.output.coordination;
       request.stress = m.scene.output.stress;
       frame = simulation.frame(request);
-      m.flux.update(*frame);
     }
-    m.write_row(simulation, frame);
+    m.series->append(m.row_of(simulation, frame));
   }
   if (m.frames.due(step)) m.write_frame(simulation);
   if (m.checkpoints.due(step) && step > m.start) checkpoint(simulation);
@@ -196,7 +193,6 @@ std::string RunOutputs::checkpoint(const Simulation& simulation) {
   if (step != m.checkpoint_step || !m.resumed) {
     CheckpointWriter writer;
     simulation.save(writer);
-    if (!m.scene.output.flux_planes.empty()) writer.add("flux", m.flux.save());
     m.folder.save_checkpoint(writer, step);
     m.checkpoint_step = step;
   }

@@ -37,6 +37,13 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   s.inserted = c.inserted;
   s.removed = c.removed;
   s.removed_mass = c.removed_mass;
+  if (!scene.output.flux_planes.empty()) {
+    for (std::size_t q = 0; q < simulation.planes().size(); ++q) {
+      const PlaneTotal& t = simulation.planes()[q];
+      s.planes.push_back({scene.output.flux_planes[q].name, t.particles(), t.forward, t.backward, t.mass});
+    }
+    s.planes_hash = simulation.planes_hash();
+  }
   s.bytes_per_particle = plan.bytes_per_particle;
   s.peak_rss_bytes = peak_rss_bytes();
   for (const ListRecord& r : simulation.list_series())

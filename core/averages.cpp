@@ -1,9 +1,8 @@
-// Averages and fluxes; see averages.hpp.
+// Averages; see averages.hpp.
 #include "core/averages.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "core/count.hpp"
 #include "core/error.hpp"
@@ -157,114 +156,6 @@ GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3>
   if (scene.output.coordination) g.cell_data.push_back({"coordination", 1, std::move(coordination)});
   if (scene.output.stress) g.cell_data.push_back({"stress", 6, std::move(stress)});
   return g;
-}
-
-FluxPlanes::FluxPlanes(const Scene& scene) : scene_(scene), totals_(scene.output.flux_planes.size()) {}
-
-void FluxPlanes::count(const Past& from, Vec3 displacement, Vec3 shift) {
-  // `shift` is the period that was taken off (or zero): a plane inside the box is met either by the path that starts at
-  // the old position or by the one that ends at the new position.
-  const Vec3 a0 = from.x, a1 = from.x + displacement, b0 = a0 + shift, b1 = a1 + shift;
-  for (std::size_t p = 0; p < totals_.size(); ++p) {
-    const auto& plane = scene_.output.flux_planes[p];
-    const auto side = [&](Vec3 x) { return dot(plane.normal, x - plane.point) >= 0 ? 1 : 0; };
-    int net = side(a1) - side(a0);
-    if (net == 0) net = side(b1) - side(b0);
-    totals_[p].particles += net;
-    totals_[p].mass += net * from.mass;
-  }
-}
-
-Vec3 FluxPlanes::departure(const Past& from, double interval, bool removed_by_event) const {
-  const Vec3 straight = interval * from.v;
-  if (removed_by_event) return straight;
-  const Domain& d = scene_.domain;
-  double hit = k_never, nearest = k_never;
-  Vec3 by_path = straight, by_distance = straight;
-  for (int axis = 0; axis < 3; ++axis)
-    for (int s = 0; s < 2; ++s) {
-      if (d.boundary[axis][s] != Boundary::open) continue;
-      const double gap = (s == 0 ? d.lower : d.upper)[axis] - from.x[axis];
-      const double t = gap / from.v[axis];
-      if (t >= 0 && t < hit) {  // never true for NaN or infinity
-        hit = t;
-        by_path = t * from.v;
-      }
-      if (std::abs(gap) < nearest) {
-        nearest = std::abs(gap);
-        by_distance = Vec3{};
-        by_distance[axis] = gap;
-      }
-    }
-  return hit < k_never ? by_path : by_distance;
-}
-
-void FluxPlanes::update(const Frame& frame) {
-  if (totals_.empty()) return;
-  const double interval = frame.time - time_;
-  bool event = false;
-  for (const Event& e : scene_.events)
-    event = event || (e.action == Event::Action::remove && e.time > time_ - scene_.dt && e.time <= frame.time);
-  const Vec3 period = scene_.domain.upper - scene_.domain.lower;
-  std::size_t now = 0;
-  for (const Past& p : past_) {
-    while (now < frame.id.size() && frame.id[now] < p.id) ++now;  // new particles
-    if (now == frame.id.size() || frame.id[now] != p.id) {
-      count(p, departure(p, interval, event), {});
-      continue;
-    }
-    Vec3 step = frame.x[now] - p.x, shift;
-    for (int a = 0; a < 3; ++a) {
-      if (!scene_.domain.periodic(a)) continue;
-      if (step[a] > 0.5 * period[a]) shift[a] = period[a];
-      if (step[a] < -0.5 * period[a]) shift[a] = -period[a];
-      step[a] -= shift[a];
-    }
-    count(p, step, shift);
-  }
-  past_.clear();
-  for (std::size_t i = 0; i < frame.id.size(); ++i)
-    past_.push_back({frame.id[i], frame.x[i], frame.v[i], mass_of(frame, scene_, i)});
-  time_ = frame.time;
-}
-
-namespace {
-struct FluxHeader {
-  std::uint64_t planes, particles;
-  double time;
-};
-}  // namespace
-
-std::vector<std::uint8_t> FluxPlanes::save() const {
-  static_assert(sizeof(Past) == 64 && sizeof(FluxTotal) == 16);  // no padding: bytes are a function of the state
-  const FluxHeader h{totals_.size(), past_.size(), time_};
-  std::vector<std::uint8_t> b(sizeof h + totals_.size() * sizeof(FluxTotal) + past_.size() * sizeof(Past));
-  std::uint8_t* at = b.data();
-  std::memcpy(at, &h, sizeof h);
-  at += sizeof h;
-  if (!totals_.empty()) std::memcpy(at, totals_.data(), totals_.size() * sizeof(FluxTotal));
-  at += totals_.size() * sizeof(FluxTotal);
-  if (!past_.empty()) std::memcpy(at, past_.data(), past_.size() * sizeof(Past));
-  return b;
-}
-
-void FluxPlanes::load(std::span<const std::uint8_t> bytes) {
-  FluxHeader h{};
-  const char* cure = "resume with the scene that wrote the checkpoint";
-  if (bytes.size() < sizeof h) throw Error(ErrorCode::io, "flux section is too short", "checkpoint", cure);
-  std::memcpy(&h, bytes.data(), sizeof h);
-  if (h.planes != totals_.size())
-    throw Error(ErrorCode::io, "flux section was written for another number of flux planes", "checkpoint", cure);
-  const std::size_t rest = bytes.size() - sizeof h;
-  if (rest < h.planes * sizeof(FluxTotal) || (rest - h.planes * sizeof(FluxTotal)) % sizeof(Past) != 0 ||
-      (rest - h.planes * sizeof(FluxTotal)) / sizeof(Past) != h.particles)
-    throw Error(ErrorCode::io, "flux section has a wrong size", "checkpoint", cure);
-  const std::uint8_t* at = bytes.data() + sizeof h;
-  if (h.planes != 0) std::memcpy(totals_.data(), at, h.planes * sizeof(FluxTotal));
-  at += h.planes * sizeof(FluxTotal);
-  past_.resize(h.particles);
-  if (h.particles != 0) std::memcpy(static_cast<void*>(past_.data()), at, h.particles * sizeof(Past));
-  time_ = h.time;
 }
 
 }  // namespace talus

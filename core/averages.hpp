@@ -1,11 +1,10 @@
-// Averages over regions and grids, and flux through planes, from frames. Who calls it: cases/ (run) at output times.
-// Pure reading: nothing here influences a trajectory. Invariant: a grid over the whole domain contains each sphere's
-// volume once (weights of a sphere over all cells sum to 1, up to what sticks out of the domain).
+// Averages over regions and grids, from frames. Who calls it: cases/ (run) at output times. Pure reading: nothing here
+// influences a trajectory. All of it is of the moment of the frame, nothing is averaged over time. Invariant: a grid
+// over the whole domain contains each sphere's volume once (weights of a sphere over all cells sum to 1, up to what
+// sticks out of the domain).
 #pragma once
 
 #include <array>
-#include <cstdint>
-#include <span>
 #include <vector>
 
 #include "core/frame.hpp"
@@ -30,42 +29,5 @@ RegionAverage average_region(const Frame& frame, const Scene& scene, const Regio
 /// The same averages on nx*ny*nz cells over the domain as cell columns solid_fraction, velocity, granular_temperature
 /// and, where the frame has them, coordination and stress (VTK order). Periodic axes wrap. Error{io} if cells < 1.
 GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3> cells);
-
-/// Net passage through a plane along its normal since the start.
-struct FluxTotal {
-  std::int64_t particles = 0;
-  double mass = 0;  ///< [kg]
-};
-
-/// Counts net passages through infinite planes by comparing the side of each particle id between successive frames.
-/// Chosen over a crossing test in every step: it needs nothing from the engine, and the net count of a particle present
-/// in both frames is exact for any interval, since passing and returning cancel. Periodic displacements are unwrapped
-/// by minimum image (right while a particle moves less than half a period per interval). A particle that is gone is
-/// taken to the open side of the domain that it left by (where its straight path from the last frame meets one, else
-/// the nearest); if a `remove` event lies in the interval, it is only followed straight for the interval. A particle
-/// that is new counts from its first frame on.
-class FluxPlanes {
- public:
-  explicit FluxPlanes(const Scene& scene);
-  /// Compares with the frame before (none at first).
-  void update(const Frame& frame);
-  const std::vector<FluxTotal>& totals() const noexcept { return totals_; }
-  /// All state as bytes for the checkpoint (section "flux") and back. Error{io} if it does not fit the scene.
-  std::vector<std::uint8_t> save() const;
-  void load(std::span<const std::uint8_t> bytes);
-
- private:
-  struct Past {
-    ParticleId id = 0;
-    Vec3 x, v;
-    double mass = 0;
-  };
-  void count(const Past& from, Vec3 displacement, Vec3 shift);
-  Vec3 departure(const Past& from, double interval, bool removed_by_event) const;
-  Scene scene_;
-  std::vector<Past> past_;
-  double time_ = 0;
-  std::vector<FluxTotal> totals_;
-};
 
 }  // namespace talus

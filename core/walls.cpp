@@ -276,6 +276,7 @@ WallSet::WallSet() = default;
 WallSet::~WallSet() = default;
 WallSet::WallSet(WallSet&&) noexcept = default;
 WallSet& WallSet::operator=(WallSet&&) noexcept = default;
+WallSet::WallSet(const WallSet& o) : impl_(o.impl_ ? std::make_unique<Impl>(*o.impl_) : nullptr) {}
 
 int WallSet::size() const noexcept { return impl_ ? static_cast<int>(impl_->walls.size()) : 0; }
 

@@ -57,6 +57,8 @@ class WallSet {
   ~WallSet();
   WallSet(WallSet&&) noexcept;
   WallSet& operator=(WallSet&&) noexcept;
+  WallSet(const WallSet&);
+  WallSet& operator=(const WallSet& o) { return *this = WallSet(o); }
 
   int size() const noexcept;         ///< number of walls (0: scene needs no wall arrays or nodes)
   bool any_moving() const noexcept;  ///< some wall moves, appears or vanishes at some time

@@ -549,7 +549,8 @@ void integrate_chunk(World& w, Chunk& c) {
   }
   a.upper[3] = a.half[3] = 1e300;
   // -4 % at 512k grains; at 128k the rows would have stayed in the last-level cache: +10 %
-  a.stream = static_cast<std::size_t>(w.n) * (w.stride + 4) * 2 * sizeof(double) > k_streamed_bytes ? 1 : 0;
+  const std::size_t rows_bytes = static_cast<std::size_t>(w.n) * (w.stride + 4) * 2 * sizeof(double);
+  a.stream = rows_bytes > k_streamed_bytes && !w.has.planes ? 1 : 0;  // plane_chunk reads p2
   a.viscous = w.scene.viscous_damping;
   a.local = w.scene.local_damping;
   a.loss = w.has.energies && a.local != 0 ? w.energy.data() : nullptr;

@@ -212,6 +212,8 @@ void fail_step(World& w, std::vector<ParticleId> ids, const std::string& what, c
     std::swap(w.p, w.p2);
     std::swap(w.v, w.v2);
     w.velocity_at_old_step = false;
+    w.work = w.work_before;
+    w.planes.take_back();
     --w.step;
     --w.counters.steps;
     if (w.has.walls) w.walls.set_step(w.step, w.scene.dt);

@@ -1,12 +1,7 @@
-// Views of a run: energies, frames, plan, memory, list audit. Nothing here changes the trajectory.
-#include <oneapi/tbb/task_arena.h>
-
+// Views of a run: energies, plan, memory (frames: frame.cpp). Nothing here changes anything.
 #include <algorithm>
 #include <functional>
-#include <numeric>
 
-#include "core/error.hpp"
-#include "scheduler/contact_blocks.hpp"
 #include "scheduler/world.hpp"
 
 namespace talus {
@@ -23,83 +18,6 @@ double sum_rows(const World& w, const std::function<double(Row)>& value) {
     total = total + part;
   }
   return total;
-}
-
-/// Brings removals and lists up to date so that contacts of the present state can be evaluated.
-void prepare_lists(World& w) {
-  check_step(w, w.step + 1);
-  if (!w.lists_valid || (w.has.moving_walls && w.walls.expired()) || w.any_expired.load(std::memory_order_relaxed))
-    rebuild_step(w, true);  // changes no result, and the next step finds its list fresh
-}
-
-void record_contacts(World& w, std::vector<ContactRecord>& out, std::vector<std::pair<Row, Row>>& rows) {
-  for (const auto& cp : w.chunks) {
-    Chunk& c = *cp;
-    const auto mask = c.mask;
-    Column<double> h[k_max_columns];
-    for (int k = 0; k < w.has.history_columns; ++k) h[k] = c.h[k];
-    const auto wall_state = c.wall_state;
-    const auto wall_moment = c.wall_moment;
-    std::int64_t contact_end[3] = {c.contact_end[0], c.contact_end[1], c.contact_end[2]};
-    narrow_chunk(w, c);
-    const Scratch& s = *c.scratch;
-    const std::int64_t total = c.contact_end[2];
-    BlockBuffers buffers;
-    ContactBlocks blocks(w, c);
-    for (std::int64_t k0 = 0; k0 < total; k0 += k_block) {
-      const Block b = blocks.evaluate(k0, buffers);
-      for (int k = 0; k < b.n; ++k) {
-        const Row i = s.ci[static_cast<std::size_t>(k0 + k)], j = s.cj[static_cast<std::size_t>(k0 + k)];
-        if (i > j) continue;  // a pair across chunks is seen by both owners
-        const Vec3 branch{b.x[k], b.y[k], b.z[k]}, f{b.r[0][k], b.r[1][k], b.r[2][k]};
-        const double d = norm(branch);
-        const Vec3 normal = (1 / d) * branch;
-        ContactRecord t;
-        t.a = w.id[i];
-        t.b = w.id[j];
-        t.normal_force = dot(f, normal) * normal;
-        t.tangential_force = f - t.normal_force;
-        t.overlap = b.w[k] - d;
-        t.point = w.position(i) - (w.p[4L * i + 3] - 0.5 * t.overlap) * normal;
-        out.push_back(t);
-        rows.emplace_back(i, j);
-      }
-    }
-    if (w.has.walls) {
-      Scratch& f = *c.scratch;
-      const auto size = static_cast<std::size_t>(c.hi - c.lo) * static_cast<std::size_t>(w.stride);
-      if (f.f.size() < size) f.f.resize(size);
-      f.clean = false;
-      if (w.has.moments) clear_moments(w, c);
-      const auto force = c.wall_force;
-      const auto torque = c.wall_torque;
-      const auto point = c.wall_point;
-      wall_chunk(w, c);
-      for (std::size_t k = 0; k < c.wall_state.size(); ++k) {
-        const WallState& q = c.wall_state[k];
-        ContactRecord t;
-        t.a = w.id[q.row];
-        t.b = -1 - q.contact.wall;
-        t.normal_force = dot(c.wall_force[k], q.contact.normal) * q.contact.normal;
-        t.tangential_force = c.wall_force[k] - t.normal_force;
-        t.overlap = w.p[4L * q.row + 3] - q.contact.distance;
-        t.point = c.wall_point[k];
-        out.push_back(t);
-        rows.emplace_back(q.row, -1);
-      }
-      c.wall_force = force;
-      c.wall_torque = torque;
-      c.wall_point = point;
-    }
-    c.mask = mask;
-    for (int k = 0; k < w.has.history_columns; ++k) c.h[k] = h[k];
-    c.run_count = 0;
-    c.wall_state = wall_state;
-    c.wall_moment = wall_moment;
-    for (int k = 0; k < 3; ++k) c.contact_end[k] = contact_end[k];
-    w.scratch.give(c.scratch);
-    c.scratch = nullptr;
-  }
 }
 
 }  // namespace
@@ -124,107 +42,21 @@ Energies energies_of(const World& w) {
   e.kinetic_translation = sum_rows(w, [&](Row i) { return 0.5 * w.mass(i) * mean2(i, 0); });
   if (w.has.rotation) e.kinetic_rotation = sum_rows(w, [&](Row i) { return 0.2 * w.mass(i) * mean2(i, 4); });
   const Vec3 weight = w.gravity_along(false);
-  e.potential = -w.gravity_work - sum_rows(w, [&](Row i) {
+  e.potential = -w.work.gravity - sum_rows(w, [&](Row i) {
     const double* x = w.p2.data() + 4L * i;
     const bool free = w.v[static_cast<long>(w.stride) * i + w.stride - 1] > 0;
     return free ? w.mass(i) * dot(weight, Vec3{x[0], x[1], x[2]} + w.scene.domain.lower) : 0.0;
   });
   e.elastic = sum_rows(w, [&](Row i) { return w.energy[4L * i]; });
-  e.dissipated_damping = w.loss_damping;
-  e.dissipated_friction = w.loss_friction;
-  e.dissipated_background = w.loss_background;
-  e.wall_work = w.wall_work;
+  e.dissipated_damping = w.work.damping;
+  e.dissipated_friction = w.work.friction;
+  e.dissipated_background = w.work.background;
+  e.wall_work = w.work.wall;
   e.inserted = w.inserted_energy;
   const double total = e.kinetic_translation + e.kinetic_rotation + e.potential + e.elastic + e.dissipated_damping +
                        e.dissipated_friction + e.dissipated_background - e.wall_work - e.inserted;
   e.residual = w.start_energy_known ? total - w.start_energy : 0;
   return e;
-}
-
-Frame frame_of(World& w, const FrameRequest& q) {
-  Frame f;
-  if (q.contacts || q.coordination || q.stress) prepare_lists(w);
-  f.step = w.step;
-  f.time = static_cast<double>(w.step) * w.scene.dt;
-  std::vector<Row> order;
-  for (Row i = 0; i < w.n; ++i) {
-    const double* x = w.p.data() + 4L * i;
-    // leavers of the last drift are still in their rows until the next check
-    bool inside = w.is_alive(i);
-    for (int a = 0; a < 3 && inside; ++a)
-      if (w.scene.domain.boundary[static_cast<std::size_t>(a)][0] == Boundary::open ||
-          w.scene.domain.boundary[static_cast<std::size_t>(a)][1] == Boundary::open)
-        inside = x[a] >= 0 && x[a] < w.size[a];
-    if (inside) order.push_back(i);
-  }
-  std::sort(order.begin(), order.end(), [&](Row a, Row b) { return w.id[a] < w.id[b]; });
-  std::vector<std::int32_t> place(static_cast<std::size_t>(w.n), -1);
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const Row i = order[k];
-    place[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(k);
-    const double *x = w.p.data() + 4L * i, *v = w.v.data() + static_cast<long>(w.stride) * i;
-    f.id.push_back(w.id[i]);
-    f.x.push_back(w.position(i));
-    f.v.push_back({v[0], v[1], v[2]});
-    if (w.has.rotation) f.w.push_back({v[4] / x[3], v[5] / x[3], v[6] / x[3]});
-    f.r.push_back(x[3]);
-    if (w.has.materials) f.material.push_back(w.material[i]);
-    if (w.has.fixed) f.fixed.push_back(w.fixed[i]);
-  }
-  if (q.contacts || q.coordination || q.stress) {
-    std::vector<ContactRecord> records;
-    std::vector<std::pair<Row, Row>> rows;
-    record_contacts(w, records, rows);
-    if (q.coordination) f.coordination.assign(order.size(), 0);
-    if (q.stress) f.stress.assign(order.size(), {});
-    for (std::size_t k = 0; k < records.size(); ++k) {
-      const ContactRecord& c = records[k];
-      const Row ends[2] = {rows[k].first, rows[k].second};
-      for (int e = 0; e < 2; ++e) {
-        if (ends[e] < 0 || place[static_cast<std::size_t>(ends[e])] < 0) continue;
-        const auto at = static_cast<std::size_t>(place[static_cast<std::size_t>(ends[e])]);
-        if (q.coordination) ++f.coordination[at];
-        if (q.stress) {
-          // sigma = 1/V sum l f with l from the centre to the contact point and f the force on the particle;
-          // compression < 0
-          const double r = f.r[at], volume = 4.0 / 3.0 * 3.14159265358979323846 * r * r * r;
-          const double nf = norm(c.normal_force);
-          const Vec3 force = (e == 0 ? 1.0 : -1.0) * (c.normal_force + c.tangential_force);
-          const Vec3 n = nf > 0 ? (1 / nf) * c.normal_force : Vec3{};
-          const Vec3 l = (e == 0 ? -1.0 : 1.0) * (r - 0.5 * c.overlap) * n;
-          const double t[6] = {l.x * force.x,
-                               l.y * force.y,
-                               l.z * force.z,
-                               0.5 * (l.x * force.y + l.y * force.x),
-                               0.5 * (l.x * force.z + l.z * force.x),
-                               0.5 * (l.y * force.z + l.z * force.y)};
-          for (std::size_t m = 0; m < 6; ++m) f.stress[at][m] += t[m] / volume;
-        }
-      }
-    }
-    if (q.contacts) {
-      std::sort(records.begin(), records.end(),
-                [](const ContactRecord& a, const ContactRecord& b) { return std::tie(a.a, a.b) < std::tie(b.a, b.b); });
-      f.contacts = std::move(records);
-    }
-  }
-  if (w.has.walls && q.walls) {
-    w.walls.set_step(w.step, w.scene.dt);
-    f.walls = w.walls.surfaces();
-    for (WallSurface& s : f.walls)
-      for (Vec3& at : s.points) at = at + w.scene.domain.lower;
-  }
-  if (w.has.walls && q.wall_loads) {
-    f.wall_loads.resize(static_cast<std::size_t>(w.walls.size()));
-    for (const auto& c : w.chunks)
-      for (std::size_t k = 0; k < c->wall_force.size(); ++k) {
-        WallLoad& l = f.wall_loads[static_cast<std::size_t>(c->wall_state[k].contact.wall)];
-        l.force = l.force - c->wall_force[k];
-        l.torque = l.torque - cross(c->wall_point[k], c->wall_force[k]);
-        if (w.has.moments) l.torque = l.torque - c->wall_torque[k];
-      }
-  }
-  return f;
 }
 
 std::size_t bytes_of(const World& w) {
@@ -264,6 +96,8 @@ Plan plan_of(const World& w) {
   node(Node::wall_contact, h.walls, h.walls ? std::to_string(w.walls.size()) + " walls" : "no walls", "p, v, walls",
        "wall history, force rows");
   node(Node::integrate, true, "always", "p, v, force rows, x0", "p2, v2, flags");
+  node(Node::plane_count, h.planes,
+       h.planes ? std::to_string(w.planes.totals().size()) + " flux planes" : "no flux planes", "p, p2", "crossings");
   node(Node::energy, h.energies, h.energies ? "output.energies" : "output.energies is off", "energy rows, v, v2",
        "energy sums");
   const auto array = [&](const char* name, bool in, double bytes, const char* why) {

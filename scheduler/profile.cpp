@@ -30,6 +30,8 @@ const char* node_name(Node node) noexcept {
       return "wall_contact";
     case Node::integrate:
       return "integrate";
+    case Node::plane_count:
+      return "plane_count";
     case Node::energy:
       return "energy";
     default:

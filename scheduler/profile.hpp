@@ -29,6 +29,7 @@ enum class Node : int {
   contact_force,
   wall_contact,
   integrate,
+  plane_count,
   energy,
   count
 };

@@ -44,6 +44,8 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   h.reff = w.law->wants_reff;
   h.groups = !scene.groups.empty();
   h.energies = scene.output.energies;
+  h.planes = !scene.output.flux_planes.empty();
+  w.planes = PlaneCounts(scene);
   h.insertion = std::any_of(scene.sources.begin(), scene.sources.end(), acts_later);
   h.events = !scene.events.empty();
   h.fixed = any_fixed;
@@ -253,15 +255,17 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   w.counters.inserted = m.inserted;
   w.counters.removed = m.removed;
   w.counters.removed_mass = m.removed_mass;
-  w.loss_damping = m.losses[0];
-  w.loss_friction = m.losses[1];
-  w.loss_background = m.losses[2];
-  w.wall_work = m.wall_work;
-  w.drive_power = m.drive_power;
-  w.gravity_work = m.gravity_work;
+  w.work.damping = m.losses[0];
+  w.work.friction = m.losses[1];
+  w.work.background = m.losses[2];
+  w.work.wall = m.wall_work;
+  w.work.drive = m.drive_power;
+  w.work.gravity = m.gravity_work;
   w.inserted_energy = m.inserted_energy;
   w.start_energy = m.start_energy;
   w.start_energy_known = m.start_known != 0;
+  w.work_before = w.work;
+  if (in.has("planes")) w.planes.load(in.section("planes"), in.path());
   w.insertion->load(in.section("insertion"));
   w.alive = 0;
   for (Row i = 0; i < w.n; ++i) {
@@ -321,6 +325,8 @@ std::uint64_t Simulation::state_hash() const { return talus::state_hash(impl_->w
 Energies Simulation::energies() const { return energies_of(impl_->w); }
 double Simulation::kinetic_energy() const { return kinetic_energy_of(impl_->w); }
 Frame Simulation::frame(const FrameRequest& request) const { return frame_of(impl_->w, request); }
+const std::vector<PlaneTotal>& Simulation::planes() const noexcept { return impl_->w.planes.totals(); }
+std::uint64_t Simulation::planes_hash() const { return impl_->w.planes.hash(); }
 Plan Simulation::plan() const { return plan_of(impl_->w); }
 const std::vector<Warning>& Simulation::warnings() const noexcept { return impl_->w.monitor.warnings; }
 const std::vector<ParticleId>& Simulation::culprits() const noexcept { return impl_->w.culprits; }
@@ -371,12 +377,12 @@ void Simulation::save(CheckpointWriter& out) const {
   m.removed = w.counters.removed;
   m.removed_mass = w.counters.removed_mass;
   for (int k = 0; k < 3; ++k) m.gravity[k] = w.gravity[k];
-  m.losses[0] = w.loss_damping;
-  m.losses[1] = w.loss_friction;
-  m.losses[2] = w.loss_background;
-  m.wall_work = w.wall_work;
-  m.drive_power = w.drive_power;
-  m.gravity_work = w.gravity_work;
+  m.losses[0] = w.work.damping;
+  m.losses[1] = w.work.friction;
+  m.losses[2] = w.work.background;
+  m.wall_work = w.work.wall;
+  m.drive_power = w.work.drive;
+  m.gravity_work = w.work.gravity;
   m.inserted_energy = w.inserted_energy;
   m.start_energy = w.start_energy;
   m.start_known = w.start_energy_known ? 1 : 0;
@@ -391,6 +397,7 @@ void Simulation::save(CheckpointWriter& out) const {
   if (w.has.groups) out.add_view("group", w.group.data(), n);
   write_contacts(w, out);
   out.add("insertion", w.insertion->save());
+  if (w.has.planes) out.add("planes", w.planes.save());
   // Not the K that a run has chosen: it follows measured times, and these bytes are the same however a run is done.
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/frame.hpp"
 #include "core/io/checkpoint.hpp"
+#include "core/plane_count.hpp"
 #include "core/scene.hpp"
 
 namespace talus {
@@ -25,7 +26,7 @@ struct ListRecord {
   std::int64_t contacts = 0;  ///< touching pairs
 };
 
-/// Cumulative counters of a run (not part of the trajectory unless noted).
+/// Counters of a run: cumulative and not part of the trajectory unless noted.
 struct Counters {
   std::int64_t steps = 0;              ///< executed by this object
   std::int64_t rebuilds = 0;           ///< all list rebuilds
@@ -124,7 +125,12 @@ class Simulation {
   const std::vector<ListRecord>& list_series() const noexcept;  ///< at most 512 rebuilds, evenly thinned
   Energies energies() const;      ///< of the last executed step; zeros where not asked for
   double kinetic_energy() const;  ///< translation, from v(n-1/2) [J]
+  /// The present state; contacts, coordination and stress are those of its positions, evaluated on a copy. Nothing that
+  /// a run computes or reports depends on whether and when frames are made.
   Frame frame(const FrameRequest& request = {}) const;
+  /// Passages through the scene's flux planes, in its order, counted in every step since the start of the trajectory.
+  const std::vector<PlaneTotal>& planes() const noexcept;
+  std::uint64_t planes_hash() const;  ///< over the planes and their totals; state_hash() has none of it
   Plan plan() const;
   const std::vector<Warning>& warnings() const noexcept;          ///< of this object's steps
   const std::vector<ParticleId>& culprits() const noexcept;       ///< particles that the failure of run() names

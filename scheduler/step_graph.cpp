@@ -5,6 +5,7 @@
 //          |                                                        ^        -> contact_force[c]                 |
 //          +--(expired, forced)--> insert -> sort_epoch -> rebuild -+          -> (wall_contact[c])              |
 //          ^                       (insert only if the scene does)               -> integrate[c]                 |
+//          |                                                                       -> (plane_count[c])           |
 //          |                                                                       -> narrow_phase[the next c]   |
 //          +-----------------------------------------------------------------------------------------------------+
 //
@@ -17,7 +18,8 @@
 // contact_force[c]    p, v, scratch c                         history c, force rows of c (scratch), energy rows of c
 // wall_contact[c]     p, v, walls, force rows of c            wall history c, force rows of c
 // integrate[c]        p, v, force rows of c, x0               p2, v2 rows of c, flags c
-// join                                                        swaps p/p2 and v/v2, n + 1
+// plane_count[c]      p, p2                                   crossings c
+// join                crossings, energy rows                  swaps p/p2 and v/v2, totals, n + 1
 // Two unordered nodes never share a written array (I7): unordered are only nodes of different chunks.
 // There are as many such loops ("lanes") as threads can work at once. narrow_phase takes the next chunk of its thread's
 // share, or of another one's when that is used up (shares.hpp), so lanes balance themselves. Only narrow_phase is a
@@ -345,17 +347,18 @@ void add_step_work(World& w) {
   StepWork sum{};
   for (const StepWork& part : w.step_work)
     for (int k = 1; k < 6; ++k) sum[k] = sum[k] + part[k];
-  w.loss_damping += sum[1];
-  w.loss_friction += sum[2];
-  w.loss_background += sum[3];
-  w.gravity_work += sum[5];
+  w.work_before = w.work;
+  w.work.damping += sum[1];
+  w.work.friction += sum[2];
+  w.work.background += sum[3];
+  w.work.gravity += sum[5];
   double power = sum[4];
   if (w.has.moving_walls)
     for (const auto& c : w.chunks)
       for (const double p : c->wall_power) power += p;
   // energies hold at n: the trapezium rule over [n-1, n]
-  w.wall_work += 0.5 * (w.drive_power + power);
-  w.drive_power = power;
+  w.work.wall += 0.5 * (w.work.drive + power);
+  w.work.drive = power;
 }
 
 }  // namespace
@@ -366,6 +369,7 @@ void finish_step(World& w) {
   w.velocity_at_old_step = true;
   note_travel(w);
   if (w.has.energies) add_step_work(w);
+  if (w.has.planes) add_crossings(w);
   const std::chrono::duration<double> now = std::chrono::steady_clock::now().time_since_epoch();
   w.lane_choice.step_done(now.count(), w.last_rebuild_step != w.step && !w.structure);
   ++w.step;
@@ -480,7 +484,13 @@ void run_graph(World& w, std::int64_t target) {
         } else {
           make_edge(contact_force, integrate);
         }
-        make_edge(integrate, narrow_phase);
+        if (w.has.planes) {
+          auto& plane_count = add(plane_chunk);
+          make_edge(integrate, plane_count);
+          make_edge(plane_count, narrow_phase);
+        } else {
+          make_edge(integrate, narrow_phase);
+        }
         make_edge(output_port<1>(narrow_phase), join);
       }
       // Halving ranges hand the lanes on: a thief takes half of what is left and becomes a victim itself. With all
@@ -526,7 +536,9 @@ void run_graph(World& w, std::int64_t target) {
 std::string graph_picture(const World& w) {
   std::string s = "displacement_check --valid--> narrow_phase[c] -> contact_force[c] -> ";
   if (w.has.walls) s += "wall_contact[c] -> ";
-  s += "integrate[c] -> join -> displacement_check\n";
+  s += "integrate[c] -> ";
+  if (w.has.planes) s += "plane_count[c] -> ";
+  s += "join -> displacement_check\n";
   s += "displacement_check --expired--> ";
   if (w.has.insertion || w.has.events) s += "insert -> ";
   s += "rebuild (sort_epoch every " + std::to_string(w.scene.sort_every) + " steps) -> narrow_phase[c]\n";

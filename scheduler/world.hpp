@@ -13,6 +13,7 @@
 
 #include "core/frame.hpp"
 #include "core/insertion.hpp"
+#include "core/plane_count.hpp"
 #include "core/scene.hpp"
 #include "core/skin.hpp"
 #include "core/types.hpp"
@@ -64,7 +65,7 @@ class ListSeries {
 struct Features {
   bool rotation = false, history = false, materials = false, walls = false, moving_walls = false, fixed = false;
   bool groups = false, energies = false, insertion = false, events = false, removal = false, periodic = false;
-  bool moments = false, cohesion = false, adhesion = false;
+  bool moments = false, cohesion = false, adhesion = false, planes = false;
   int history_columns = 0;  ///< of the law, then those of rolling and twisting
   int law_columns = 0, moment_columns = 0;
   bool reff = false;
@@ -101,6 +102,12 @@ struct Scratch {
   std::vector<std::int32_t> wall_near;  ///< elements that a row can touch
   Column<double> m;                     ///< moment rows {M, 0} of the chunk: rolling and twisting only
   Column<std::uint8_t> before;          ///< touch bits of the last step: where add_ons.cpp carries history
+};
+
+/// A grain has passed a flux plane in the present step; net > 0: along the normal.
+struct Crossing {
+  Row row = 0;
+  std::int32_t plane = 0, net = 0;
 };
 
 /// Owner of rows [lo, hi).
@@ -147,6 +154,7 @@ struct Chunk {
   ChunkExtremes extremes;       ///< of a sampled step
   Scratch* scratch = nullptr;
   Column<std::int32_t> row_buffer;  ///< the two rows of deep_slot
+  std::vector<Crossing> crossings;  ///< of the present step, ascending (plane, row); only with flux planes
   double rebuild_seconds[static_cast<int>(RebuildPart::count)] = {};
 };
 
@@ -196,7 +204,8 @@ inline std::uint64_t pair_key(Row i, Row j) noexcept {
   return static_cast<std::uint64_t>(static_cast<std::uint32_t>(i)) << 32 | static_cast<std::uint32_t>(j);
 }
 
-struct World {
+/// What the scene decides once and no step changes. A copy points to the tables of its original.
+struct Setup {
   Scene scene;
   RunOptions options;
   Features has;
@@ -214,7 +223,26 @@ struct World {
   unsigned moment_flips = 0;
   int stride = 4;  ///< doubles per velocity and force row (8 with rotation)
   int threads = 1;  ///< asked for; lane_choice says how many work at present
+  double r_min = 0, r_max = 0;
+  Vec3 size;  ///< domain extent [m]
 
+  int pair_index(int a, int b) const { return a * static_cast<int>(scene.materials.size()) + b; }
+  /// History column q changes sign when the partners of a contact are swapped.
+  bool flips(int q) const {
+    if (q < has.law_columns) return has.rotation && q < 3;  // the tangential spring; scalars are the same for both
+    return ((moment_flips >> (q - has.law_columns)) & 1U) != 0;
+  }
+};
+
+/// Work since the start [J]: sums over all steps.
+struct WorkTotals {
+  double damping = 0, friction = 0, background = 0;  ///< dissipated
+  double wall = 0;                                   ///< of moving walls and driven grains on the others
+  double drive = 0;                                  ///< the part of the last step alone, times dt
+  double gravity = 0;                                ///< along periodic axes, where a height means nothing
+};
+
+struct World : Setup {
   // particles, [n] rows (+ one dead row n, padded)
   Row n = 0;
   Row alive = 0;
@@ -235,8 +263,6 @@ struct World {
   bool velocity_at_old_step = false;  ///< v2 holds v(n-3/2) of the same rows (for |a| in the skin)
 
   std::int64_t step = 0;
-  double r_min = 0, r_max = 0;
-  Vec3 size;  ///< domain extent [m]
   Vec3 gravity;
   int chunk_size = 4096;  ///< of equal chunks; a sort epoch makes as many of equal cost (sort_epoch.cpp)
   ChunkMap chunk_of;
@@ -277,10 +303,10 @@ struct World {
   // cumulative
   Counters counters;
   std::int64_t last_rebuild_step = 0;
-  double loss_damping = 0, loss_friction = 0, loss_background = 0, wall_work = 0, inserted_energy = 0;
+  WorkTotals work, work_before;  ///< with energies only; before: what a step that fails goes back to
+  double inserted_energy = 0;
   std::vector<StepWork> step_work;  ///< by block of k_energy_block rows; with energies only
-  double drive_power = 0;           ///< of moving walls and driven grains at the last step, times dt [J]
-  double gravity_work = 0;          ///< along periodic axes, where a height means nothing
+  PlaneCounts planes;
   double start_energy = 0;
   bool start_energy_known = false;
   std::atomic<bool> failed{false};
@@ -293,19 +319,13 @@ struct World {
   double mass(Row i) const;                 ///< [kg] from material and radius
   Vec3 gravity_along(bool periodic) const;  ///< its components along the periodic axes, or along the others
   double row_energy(Row i) const;           ///< kinetic, and potential where the row is free [J]
-  int pair_index(int a, int b) const { return a * static_cast<int>(scene.materials.size()) + b; }
-  Vec3 position(Row i) const;  ///< absolute [m]
+  Vec3 position(Row i) const;               ///< absolute [m]
   /// Drift velocity of a row for the policies that have one (SkinRule::drifts()) [m/s].
   Vec3 drift_of(Row i) const {
     const float* u = drift.empty() ? frame.drift : drift.data() + 4L * i;
     return {u[0], u[1], u[2]};
   }
   bool is_alive(Row i) const { return p[4L * i] < 1e100; }
-  /// History column q changes sign when the partners of a contact are swapped.
-  bool flips(int q) const {
-    if (q < has.law_columns) return has.rotation && q < 3;  // the tangential spring; scalars are the same for both
-    return ((moment_flips >> (q - has.law_columns)) & 1U) != 0;
-  }
 };
 
 /// One copy of all rows takes at most 6 MiB: they stay in nearer caches, where prefetching own rows, history and the
@@ -387,6 +407,10 @@ void force_chunk(World& w, Chunk& c);
 void wall_chunk(World& w, Chunk& c);
 void integrate_chunk(World& w, Chunk& c);
 
+// --- plane_count.cpp: only with flux planes -----------------------------------------------------------------------
+void plane_chunk(World& w, Chunk& c);  ///< which rows have passed a plane in the drift p -> p2
+void add_crossings(World& w);          ///< adds them to the totals, in storage order (I3)
+
 // --- add_ons.cpp: what laws add to the plain step -----------------------------------------------------------------
 void configure_add_ons(World& w);  ///< features, coefficients; refuses impossible attraction
 void narrow_add_ons(World& w, Chunk& c, NarrowArgs& a, std::size_t room);  ///< narrow phase with extra history or necks
@@ -415,7 +439,7 @@ std::string graph_picture(const World& w);
 // --- observe.cpp --------------------------------------------------------------------------------------------------
 Energies energies_of(const World& w);
 double kinetic_energy_of(const World& w);
-Frame frame_of(World& w, const FrameRequest& request);
+Frame frame_of(const World& w, const FrameRequest& request);  ///< frame.cpp
 Plan plan_of(const World& w);
 std::size_t bytes_of(const World& w);
 std::int64_t audit_lists(const World& w);  ///< what touches and is in no list (audit.cpp)

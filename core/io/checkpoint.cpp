@@ -1,5 +1,5 @@
 // Checkpoint container; layout and guarantees are in checkpoint.hpp. Who calls it: scheduler/ (save and restore of the
-// engine), cases/ (own sections such as flux counters). Invariant: every byte of a file is covered by a checksum, and
+// engine). Invariant: every byte of a file is covered by a checksum, and
 // no length read from a file is used before it is checked against the bytes that are there.
 #include "core/io/checkpoint.hpp"
 

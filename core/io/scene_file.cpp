@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "core/io/input_file.hpp"
 #include "core/io/scene_table.hpp"
+#include "core/plane_count.hpp"
 #include "core/region.hpp"
 
 namespace talus {
@@ -486,8 +487,11 @@ OutputSettings read_output(const SceneTable& r, const Domain& domain) {
     for (std::size_t k = 0; k < 3; ++k) o.grid.cells[k] = static_cast<int>(cells[k]);
   }
   std::vector<std::string> names;
-  for (const SceneTable& p : r.sections("plane"))
+  for (const SceneTable& p : r.sections("plane")) {
     o.flux_planes.push_back({unique_name(p, "", names), p.vector("point"), p.direction("normal")});
+    if (!CountedPlane(domain, o.flux_planes.back()).meets())
+      p.fail("point", "the plane lies outside of the domain, where grains never are");
+  }
   names.clear();
   for (const SceneTable& p : r.sections("region"))
     o.regions.push_back({unique_name(p, "", names), read_region(p, domain, false)});

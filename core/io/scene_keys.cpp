@@ -33,7 +33,7 @@ constexpr SceneSection k_sections[] = {
     {"event", true, "an action at a time"},
     {"list", false, "neighbour list; never changes a trajectory"},
     {"output", false, "what is written, and how often"},
-    {"output.plane", true, "a plane through which the particle and mass flux is counted"},
+    {"output.plane", true, "a plane through which passages of grains are counted in every step, in number and mass"},
     {"output.region", true, "a region over which averages are taken"},
     {"checks", false, "limits that warn or stop a run, and permissions to ignore them"},
     {"relax", false, "limited-velocity relaxation of initial overlaps; off unless steps is given"},
@@ -348,10 +348,13 @@ constexpr SceneKey k_keys[] = {
      "[10, 10, 20]"},
 
     {"output.plane", "name", T::text, "", 0, 0, false, "", "required", "", "unique name", "\"outlet\""},
-    {"output.plane", "point", T::vector, "m", -k_length, k_length, false, "", "required", "", "a point of the plane",
+    {"output.plane", "point", T::vector, "m", -k_length, k_length, false, "", "required", "",
+     "a point of the plane, which has to meet the domain; a grain passes with its centre, and on the plane exactly it "
+     "is "
+     "on the side of larger coordinates; across a periodic axis a plane counts once per round, at either end too",
      "[0, 0, 0.1]"},
     {"output.plane", "normal", T::vector, "-", -k_big, k_big, false, "", "[0, 0, 1]", "",
-     "direction in which crossings count as positive", "[0, 0, -1]"},
+     "direction in which passages count as positive, against it as negative", "[0, 0, -1]"},
 
     {"output.region", "name", T::text, "", 0, 0, false, "", "required", "", "unique name", "\"core\""},
     TALUS_REGION_KEYS("output.region"),

@@ -194,13 +194,17 @@ SeriesWriter SeriesWriter::resume(const std::string& path, const SeriesLayout& l
     Previous p{number("time"), number("removed_mass"), {}};
     for (const std::string& plane : layout.planes)
       p.planes.push_back(
-          {static_cast<std::int64_t>(number("plane." + plane + ".particles")), number("plane." + plane + ".mass")});
+          {static_cast<std::int64_t>(number("plane." + plane + ".particles")), 0, number("plane." + plane + ".mass")});
     w.previous_ = std::move(p);
   }
   w.open(0);
   if (::ftruncate(w.fd_, static_cast<off_t>(w.size_)) != 0)
     throw Error(ErrorCode::io, std::string("cannot cut: ") + std::strerror(errno), path);
   return w;
+}
+
+void SeriesWriter::start_from(const SeriesRow& row) {
+  if (last_step_ < 0) previous_ = Previous{row.time, row.removed_mass, row.planes};
 }
 
 void SeriesWriter::append(const SeriesRow& row) {
@@ -244,10 +248,10 @@ void SeriesWriter::append(const SeriesRow& row) {
     line.add(w.torque);
   }
   for (std::size_t p = 0; p < row.planes.size(); ++p) {
-    const FluxTotal before = previous_ ? previous_->planes[p] : FluxTotal{};
-    line.add(row.planes[p].particles);
+    const PlaneTotal before = previous_ ? previous_->planes[p] : PlaneTotal{};
+    line.add(row.planes[p].particles());
     line.add(row.planes[p].mass);
-    line.add(rate(static_cast<double>(row.planes[p].particles), static_cast<double>(before.particles)));
+    line.add(rate(static_cast<double>(row.planes[p].particles()), static_cast<double>(before.particles())));
     line.add(rate(row.planes[p].mass, before.mass));
   }
   for (const RegionAverage& r : row.regions) {

@@ -1,4 +1,13 @@
-// series.csv: one row of scalars per output time. Who calls it: cases/ (run). Invariants: the columns are decided once
+// series.csv: one row of scalars per output time. Who calls it: cases/ (run). Which column is what:
+// - Sums over all steps since the start of the trajectory, whatever the times of the rows: inserted, removed,
+//   removed_mass, dissipated_*, wall_work, inserted_energy, balance_residual (a difference of such sums and of the
+//   energies of the moment), plane.*.particles, plane.*.mass.
+// - Means over the time since the row before, of these sums (0 in the first row): mass_flow, plane.*.particle_flow,
+//   plane.*.mass_flow.
+// - Values of the moment, which say nothing of what was between two rows: all others, also the loads on walls, contacts
+//   and region averages. Contacts, wall loads and energies are those of the last executed step (at step 0 there is
+//   none: zeros), positions and velocities those after it.
+// Invariants: the columns are decided once
 // by the scene; numbers are the shortest text that reads back to the same double; rows appear whole; a resumed run ends
 // with the bytes of the uninterrupted one (rates over an interval are taken from values in the file itself).
 #pragma once
@@ -10,6 +19,7 @@
 
 #include "core/averages.hpp"
 #include "core/frame.hpp"
+#include "core/plane_count.hpp"
 
 namespace talus {
 
@@ -26,7 +36,7 @@ struct SeriesLayout {
   std::vector<std::string> columns() const;  ///< header, in order
 };
 
-/// Values of one row; vectors have the sizes of the layout. Flux totals are cumulative.
+/// Values of one row; vectors have the sizes of the layout.
 struct SeriesRow {
   std::int64_t step = 0;
   double time = 0;  ///< [s]
@@ -35,7 +45,7 @@ struct SeriesRow {
   double removed_mass = 0;    ///< cumulative [kg]
   Energies energies;
   std::vector<WallLoad> walls;
-  std::vector<FluxTotal> planes;
+  std::vector<PlaneTotal> planes;
   std::vector<RegionAverage> regions;
 };
 
@@ -53,6 +63,8 @@ class SeriesWriter {
   /// Appends one row. Error{io}: sizes that do not fit, a step not after last_step(), or a write failure (the file then
   /// still ends with the row before).
   void append(const SeriesRow& row);
+  /// Of a run that goes on from a checkpoint without the rows before: the means of the first row count from here.
+  void start_from(const SeriesRow& row);
   std::int64_t last_step() const noexcept { return last_step_; }  ///< -1 if there is no row
 
  private:
@@ -60,7 +72,7 @@ class SeriesWriter {
   void open(int flags);
   struct Previous {
     double time = 0, removed_mass = 0;
-    std::vector<FluxTotal> planes;
+    std::vector<PlaneTotal> planes;
   };
   std::string path_;
   SeriesLayout layout_;

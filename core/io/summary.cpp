@@ -97,6 +97,15 @@ std::string summary_json(const Summary& s) {
   o.add("inserted", s.inserted);
   o.add("removed", s.removed);
   o.add("removed_mass", s.removed_mass);
+  if (s.planes_hash) {
+    std::string planes;
+    for (const auto& p : s.planes)
+      planes += fmt::format(
+          "{}\n    {{\"name\": {}, \"particles\": {}, \"mass\": {}, \"forward\": {}, \"backward\": {}}}",
+          planes.empty() ? "" : ",", json_string(p.name), p.particles, Object::number(p.mass), p.forward, p.backward);
+    o.raw("planes", "[" + planes + "\n  ]");
+    o.add("planes_hash", fmt::format("{:016x}", *s.planes_hash));
+  }
   o.add("late_detections", s.late_detections);
   o.add("missed_contacts", s.missed_contacts);
   o.add("bytes_per_particle", s.bytes_per_particle);

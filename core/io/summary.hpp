@@ -36,6 +36,14 @@ struct Summary {
   std::int64_t candidate_pairs = 0, contacts = 0, wall_contacts = 0;
   std::int64_t inserted = 0, removed = 0;
   double removed_mass = 0;                                       ///< [kg]
+  /// Passages through a flux plane since the start of the trajectory.
+  struct Plane {
+    std::string name;
+    std::int64_t particles = 0, forward = 0, backward = 0;  ///< particles: forward less backward
+    double mass = 0;                                        ///< the same of masses [kg]
+  };
+  std::vector<Plane> planes;
+  std::optional<std::uint64_t> planes_hash;  ///< over the planes and their counts; only with planes
   std::optional<std::int64_t> late_detections;  ///< not counted: the list is checked at every step
   std::optional<std::int64_t> missed_contacts;  ///< only if audited
   double bytes_per_particle = 0;

@@ -21,6 +21,7 @@ Scene bare() {
 Scene loaded() {
   Scene s = hertz_drum();
   s.output.energies = true;
+  s.output.flux_planes = {{"middle", {0, 0, 0}, {0, 0, 1}}};
   s.groups = {GroupSpec{"few", false, std::nullopt, std::array<ParticleId, 2>{0, 5}}};
   Event e;
   e.group = 0;
@@ -53,7 +54,7 @@ std::map<std::string, Plan::Array> arrays_of(const Plan& p) {
   return m;
 }
 
-constexpr const char* k_optional_nodes[] = {"insert", "wall_contact", "energy"};
+constexpr const char* k_optional_nodes[] = {"insert", "wall_contact", "plane_count", "energy"};
 constexpr const char* k_optional_arrays[] = {"rotation lanes of v", "material", "fixed", "group", "energy", "history",
                                              "wall contacts"};
 
@@ -88,7 +89,7 @@ TEST(LeftOut, SceneWithEverythingHasEveryNodeAndArray) {
   auto nodes = nodes_of(plan);
   auto arrays = arrays_of(plan);
   for (const char* name : k_optional_nodes) EXPECT_TRUE(nodes[name].in) << name;
-  for (const char* name : {"insert", "wall_contact"}) EXPECT_NE(plan.graph.find(name), std::string::npos) << plan.graph;
+  for (const char* name : {"insert", "wall_contact", "plane_count"}) EXPECT_NE(plan.graph.find(name), std::string::npos) << plan.graph;
   for (const char* name : k_optional_arrays) {
     EXPECT_TRUE(arrays[name].in) << name;
     if (std::string(name) != "rotation lanes of v") {  // counted in v
@@ -125,14 +126,14 @@ TEST(LeftOut, MemoryAndCheckpointConfirmThePlan) {
   plain.run(200);
   const double n = static_cast<double>(plain.particles());
   const auto bare_sections = sections(plain);
-  for (const char* name : {"material", "fixed", "group"}) EXPECT_FALSE(bare_sections.has(name)) << name;
+  for (const char* name : {"material", "fixed", "group", "planes"}) EXPECT_FALSE(bare_sections.has(name)) << name;
   EXPECT_EQ(bare_sections.section("wall_contacts").size(), 0U);
   EXPECT_EQ(bare_sections.section("velocity").size(), static_cast<std::size_t>(32 * n));
 
   Simulation everything(loaded(), one_thread());
   everything.run(200);
   const auto all = sections(everything);
-  for (const char* name : {"material", "fixed", "group"}) EXPECT_GT(all.section(name).size(), 0U) << name;
+  for (const char* name : {"material", "fixed", "group", "planes"}) EXPECT_GT(all.section(name).size(), 0U) << name;
   EXPECT_GT(all.section("wall_contacts").size(), 0U);
 
   Scene energies = bare();

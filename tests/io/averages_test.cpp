@@ -1,4 +1,4 @@
-// Averages and fluxes against closed forms.
+// Averages against closed forms.
 #include "core/averages.hpp"
 
 #include <gtest/gtest.h>
@@ -115,85 +115,18 @@ TEST(Averages, PeriodicGridWrapsAndAgreesWithRegions) {
   EXPECT_NEAR(region.solid_fraction, fraction[0], 1e-14);
 }
 
-Scene flux_scene(Vec3 point, Vec3 normal) {
+TEST(Averages, GridKeepsTheThreeShearStressesApartInTheOrderOfVtk) {
   Scene s = box({0, 0, 0}, {1, 1, 1});
-  s.domain.boundary[2][0] = Boundary::open;
-  s.output.flux_planes = {{"p", point, normal}};
-  return s;
-}
-
-Frame at(double time, std::vector<std::pair<ParticleId, Vec3>> particles, Vec3 v = {}) {
+  s.output.stress = true;
   Frame f;
-  f.time = time;
-  for (auto [id, x] : particles) add(f, id, x, 0.1, v, id % 2 == 0 ? 0 : 1);
-  return f;
-}
-const double k_mass = 4.0 / 3 * k_pi * 0.001 * 1000;  // of an even id; odd ones weigh three times as much
-
-TEST(Flux, CountsNetPassagesAlongTheNormal) {
-  FluxPlanes flux(flux_scene({0, 0, 0.5}, {0, 0, -1}));
-  flux.update(at(0, {{0, {0.5, 0.5, 0.6}}, {1, {0.5, 0.5, 0.7}}, {2, {0.1, 0.1, 0.2}}}));
-  EXPECT_EQ(flux.totals()[0].particles, 0);
-  flux.update(at(1, {{0, {0.5, 0.5, 0.4}}, {1, {0.5, 0.5, 0.3}}, {2, {0.1, 0.1, 0.2}}}));
-  EXPECT_EQ(flux.totals()[0].particles, 2);
-  EXPECT_NEAR(flux.totals()[0].mass, 4 * k_mass, 1e-12);
-  flux.update(at(2, {{0, {0.5, 0.5, 0.8}}, {1, {0.5, 0.5, 0.3}}, {2, {0.1, 0.1, 0.2}}}));
-  EXPECT_EQ(flux.totals()[0].particles, 1);  // one came back
-  EXPECT_NEAR(flux.totals()[0].mass, 3 * k_mass, 1e-12);
-}
-
-TEST(Flux, ParticlesThatLeftBetweenFramesPassedThePlanesBelow) {
-  FluxPlanes flux(flux_scene({0, 0, 0.2}, {0, 0, -1}));
-  flux.update(at(0, {{0, {0.5, 0.5, 0.6}}, {1, {0.5, 0.5, 0.1}}, {2, {0.5, 0.5, 0.9}}}));
-  flux.update(at(1, {{2, {0.5, 0.5, 0.5}}, {3, {0.5, 0.5, 0.1}}}));  // 0 and 1 left below, 3 is new
-  EXPECT_EQ(flux.totals()[0].particles, 1);                          // 1 was below before
-  flux.update(at(2, {{3, {0.5, 0.5, 0.1}}}));
-  EXPECT_EQ(flux.totals()[0].particles, 2);
-}
-
-TEST(Flux, RemovalByAnEventIsNoPassage) {
-  Scene s = flux_scene({0, 0, 0.2}, {0, 0, -1});
-  Event e;
-  e.action = Event::Action::remove;
-  e.time = 0.5;
-  s.events = {e};
-  FluxPlanes flux(s);
-  flux.update(at(0, {{0, {0.5, 0.5, 0.6}}}));
-  flux.update(at(1, {}));
-  EXPECT_EQ(flux.totals()[0].particles, 0);
-}
-
-TEST(Flux, PeriodicWrapIsNoPassageOfAPlaneInTheMiddleButOneAtTheSeam) {
-  for (auto [plane, expected] : {std::pair{0.5, 0}, {0.97, 1}, {0.02, 1}}) {
-    Scene s = flux_scene({plane, 0, 0}, {1, 0, 0});
-    s.domain.boundary[0] = {Boundary::periodic, Boundary::periodic};
-    FluxPlanes flux(s);
-    flux.update(at(0, {{0, {0.95, 0.5, 0.5}}}));
-    flux.update(at(1, {{0, {0.05, 0.5, 0.5}}}));
-    EXPECT_EQ(flux.totals()[0].particles, expected) << plane;
-    flux.update(at(2, {{0, {0.95, 0.5, 0.5}}}));
-    EXPECT_EQ(flux.totals()[0].particles, 0) << plane;
-  }
-}
-
-TEST(Flux, StateSurvivesACheckpoint) {
-  const Scene s = flux_scene({0, 0, 0.5}, {0, 0, -1});
-  const Frame first = at(0, {{0, {0.5, 0.5, 0.6}}, {1, {0.5, 0.5, 0.7}}}), second = at(1, {{0, {0.5, 0.5, 0.4}}});
-  FluxPlanes whole(s), resumed(s);
-  whole.update(first);
-  resumed.load(whole.save());
-  whole.update(second);
-  resumed.update(second);
-  EXPECT_EQ(whole.totals()[0].particles, 2);
-  EXPECT_EQ(resumed.totals()[0].particles, 2);
-  EXPECT_EQ(whole.save(), resumed.save());
-  auto bytes = whole.save();
-  bytes.pop_back();
-  EXPECT_THROW(resumed.load(bytes), Error);
-  EXPECT_THROW(resumed.load({}), Error);
-  Scene other = s;
-  other.output.flux_planes.push_back(other.output.flux_planes[0]);
-  EXPECT_THROW(FluxPlanes(other).load(whole.save()), Error);
+  add(f, 0, {0.5, 0.5, 0.5}, 0.1);
+  f.stress = {{1, 2, 3, 12, 13, 23}};  // xx yy zz xy xz yz
+  const GridData g = average_grid(f, s, {1, 1, 1});
+  const auto& column = g.cell_data.back();
+  ASSERT_EQ(column.name, "stress");
+  const auto& stress = std::get<0>(column.values);
+  const double volume = 4.0 / 3 * k_pi * 0.001, vtk[] = {1, 2, 3, 12, 23, 13};  // xx yy zz xy yz xz
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(stress[k], vtk[k] * volume, 1e-15) << k;
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ RunFolder example(const std::string& dir) {
     row.removed = k;
     row.removed_mass = 0.1 * k;
     row.walls = {{{0, 0, -1.0 * k}, {}}};
-    row.planes = {{k, 0.1 * k}};
+    row.planes = {{k, 0, 0.1 * k}};
     csv.append(row);
   }
   Summary s;

@@ -44,7 +44,7 @@ SeriesRow row(std::int64_t step) {
   r.energies.potential = std::sqrt(s + 2);
   r.energies.residual = -1e-17 * s;
   r.walls = {{{s / 3, -s, 1e300}, {0, -0.0, 5e-324}}, {}};
-  r.planes = {{2 * step + 1, s / 11}};
+  r.planes = {{3 * step + 1, step, s / 11}};
   RegionAverage a;
   a.solid_fraction = 0.6 / (s + 1);
   a.stress[4] = s / 13;

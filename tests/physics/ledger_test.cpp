@@ -13,8 +13,15 @@ namespace talus::physics {
 namespace {
 
 std::array<double, 9> all(const Energies& e) {
-  return {e.kinetic_translation + e.kinetic_rotation, e.potential, e.elastic, e.dissipated_damping, e.dissipated_friction,
-          e.dissipated_background, e.wall_work, e.inserted, e.residual};
+  return {e.kinetic_translation + e.kinetic_rotation,
+          e.potential,
+          e.elastic,
+          e.dissipated_damping,
+          e.dissipated_friction,
+          e.dissipated_background,
+          e.wall_work,
+          e.inserted,
+          e.residual};
 }
 
 struct Ledger {
@@ -93,6 +100,66 @@ TEST(PhysicsLedger, HasTheSameBitsForEveryNumberOfThreadsChunkAndInstructionSet)
             << isa_name(isa) << ", " << threads << " threads, chunk " << chunk << ", entry " << k << ": " << other[k]
             << " and " << reference[k];
     }
+}
+
+const FrameRequest k_all{.contacts = true, .coordination = true, .stress = true, .walls = true, .wall_loads = true};
+
+TEST(PhysicsLedger, OfAGrainBetweenTwoPlatesIsTheirTwoSpringsHoweverOftenOneLooks) {
+  // Each plate is pressed in by d: 2 * 1/2 k d^2 = 1e5 * (1.95e-4)^2 J.
+  constexpr double r = 0.005, k = 1e5, d = 1.95e-4, elastic = 0.0038025;
+  for (const bool look : {false, true}) {
+    Scene s = open_scene({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}, 4e-6);
+    linear_restitution(s, k, 0.8);
+    s.walls = {plane("floor", {0, 0, d - r}, {0, 0, 1}), plane("lid", {0, 0, r - d}, {0, 0, -1})};
+    s.output.energies = true;
+    s.allow_initial_overlap = true;
+    add_grains(s, {{{}, {}, r}});
+    Simulation sim(s, options());
+    for (int n = 0; n < 60; ++n) {
+      sim.run(1);
+      if (look) {
+        const Frame f = sim.frame(k_all);
+        ASSERT_EQ(f.contacts.size(), 2U);
+        EXPECT_NEAR(norm(f.contacts[0].normal_force), k * d, 1e-9 * k * d);
+      }
+      const Energies e = sim.energies();
+      EXPECT_NEAR(e.elastic, elastic, 1e-12 * elastic) << n;
+      EXPECT_NEAR(e.residual, 0, 1e-12 * elastic) << n;
+    }
+  }
+}
+
+TEST(PhysicsLedger, OfAnOedometerClosesHoweverOftenOneLooks) {
+  // 4^3 grains in a box of their own width, pressed together by 3 % from above.
+  constexpr double r = 0.005, side = 8 * r;
+  std::array<std::array<double, 9>, 2> ledgers{};
+  for (const bool look : {false, true}) {
+    Scene s = open_scene({0, 0, 0}, {side, side, 1.2 * side}, 4e-6);
+    for (auto& axis : s.domain.boundary) axis = {Boundary::wall, Boundary::wall};
+    linear_law(s, 1e5, 300, 3e4, 150, 0.4);
+    WallSpec lid = plane("lid", {0, 0, side}, {0, 0, -1});
+    lid.motion.velocity = {0, 0, -0.06};
+    s.walls = {lid};
+    s.output.energies = true;
+    std::vector<Grain> grains;
+    for (int k = 0; k < 64; ++k)
+      grains.push_back(
+          {{r * (1 + 2 * (k % 4)), r * (1 + 2 * (k / 4 % 4)), r * (1 + 2 * (k / 16))}, {}, r * (1 - 1e-4)});
+    add_grains(s, grains);
+    Simulation sim(s, options());
+    for (int n = 0; n < 5000; n += 25) {
+      sim.run(25);
+      if (look) sim.frame(k_all);
+    }
+    const Energies e = sim.energies();
+    EXPECT_GT(e.elastic, 0.1 * e.wall_work);
+    EXPECT_LT(std::fabs(e.residual), 1e-3 * e.wall_work);
+    figure(std::string("oedometer, ") + (look ? "with" : "without") + " frames: residual / work of the lid",
+           e.residual / e.wall_work);
+    ledgers[look ? 1 : 0] = all(e);
+  }
+  for (std::size_t k = 0; k < ledgers[0].size(); ++k)
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(ledgers[1][k]), std::bit_cast<std::uint64_t>(ledgers[0][k])) << k;
 }
 
 }  // namespace
