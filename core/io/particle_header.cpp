@@ -11,27 +11,35 @@ namespace talus::particle_text {
 using Column = ParticleColumn;
 
 bool Splitter::split_quoted(std::string_view line) {
+  const bool blanks = separator_ == ' ';
+  const auto separates = [&](char c) { return blanks ? is_space(c) : c == separator_; };
   std::size_t i = 0;
-  while (true) {
-    while (i < line.size() && is_space(line[i]) && line[i] != separator_) ++i;
-    if (separator_ == ' ' && i == line.size()) return true;
+  const auto skip_blanks = [&] {
+    while (i < line.size() && is_space(line[i]) && (blanks || line[i] != separator_)) ++i;
+  };
+  while (true) {  // every turn takes a character or ends
+    skip_blanks();
+    if (blanks && i == line.size()) return true;
     if (i < line.size() && line[i] == '"') {
       std::string& text = unquoted_.emplace_back();
       for (++i;; ++i) {
-        if (i >= line.size()) return false;
-        if (line[i] == '"' && (i + 1 >= line.size() || line[++i] != '"')) break;
+        if (i == line.size()) return false;
+        if (line[i] == '"') {
+          if (i + 1 == line.size() || line[i + 1] != '"') break;
+          ++i;  // a doubled quote is one
+        }
         text += line[i];
       }
-      if (i < line.size() && line[i] == '"') ++i;
+      ++i;
       fields_.push_back(trim(text));
     } else {
       const std::size_t begin = i;
-      while (i < line.size() && line[i] != separator_ && !(separator_ == ' ' && is_space(line[i]))) ++i;
+      while (i < line.size() && !separates(line[i])) ++i;
       fields_.push_back(trim(line.substr(begin, i - begin)));
     }
-    while (i < line.size() && is_space(line[i]) && line[i] != separator_) ++i;
-    if (separator_ == ' ') continue;
-    if (i >= line.size()) return true;
+    if (blanks) continue;
+    skip_blanks();
+    if (i == line.size()) return true;
     if (line[i] != separator_) return false;  // text behind a closing quote
     ++i;
   }

@@ -163,7 +163,7 @@ class LammpsReader {
   }
 
   void check_style() const {
-    const std::string_view style = style_.substr(0, style_.find(' '));
+    const std::string_view style = std::string_view(style_).substr(0, style_.find(' '));
     if (style.empty() || style == "sphere" || style == "granular") return;
     error(fmt::format("atom_style '{}' is not supported", shown(style)), k_row);
   }
