@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include "cases/cli.hpp"
+#include "core/averages.hpp"
 #include "core/io/scene_file.hpp"
+#include "core/memory.hpp"
 
 namespace talus::cli {
 
@@ -14,7 +16,13 @@ std::vector<std::string> overrides_of(const Options& options) {
   return all;
 }
 
-Scene scene_of(const Options& options) { return load_scene(options.scene, overrides_of(options)); }
+Scene scene_of(const Options& options) {
+  Scene scene = load_scene(options.scene, overrides_of(options));
+  if (scene.output.grid.on && scene.output.particles_every > 0)
+    require_memory(grid_bytes(scene.output.grid.cells), "a frame of this grid", scene.file + ": output.grid",
+                   "fewer cells");
+  return scene;
+}
 
 std::string grouped(std::int64_t n) {
   std::string digits = fmt::format("{}", n < 0 ? -n : n);

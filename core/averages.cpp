@@ -158,4 +158,9 @@ GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3>
   return g;
 }
 
+double grid_bytes(std::array<int, 3> cells) noexcept {
+  constexpr double columns = 12 * sizeof(double);  // solid fraction to stress; twice while they grow
+  return (sizeof(Sums) + 2 * columns) * static_cast<double>(cells[0]) * cells[1] * cells[2];
+}
+
 }  // namespace talus

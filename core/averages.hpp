@@ -29,5 +29,7 @@ RegionAverage average_region(const Frame& frame, const Scene& scene, const Regio
 /// The same averages on nx*ny*nz cells over the domain as cell columns solid_fraction, velocity, granular_temperature
 /// and, where the frame has them, coordination and stress (VTK order). Periodic axes wrap. Error{io} if cells < 1.
 GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3> cells);
+/// Memory that average_grid() takes [B].
+double grid_bytes(std::array<int, 3> cells) noexcept;
 
 }  // namespace talus

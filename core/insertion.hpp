@@ -61,6 +61,8 @@ class Insertion {
   NewParticles batch(std::int64_t n, const PresentParticles& present, const WallSet* walls = nullptr);
   const std::vector<Shortfall>& shortfalls() const noexcept { return shortfalls_; }  ///< of the latest batch
   std::int64_t inserted() const noexcept { return inserted_; }
+  /// What was ignored or assumed in the initial files, one line each.
+  const std::vector<std::string>& notes() const noexcept { return notes_; }
   /// All mutable state as bytes (checkpoint section "insertion") and back. Error{io} if it does not fit the scene.
   std::vector<std::uint8_t> save() const;
   void load(std::span<const std::uint8_t> bytes);
@@ -111,6 +113,7 @@ class Insertion {
   std::vector<std::vector<std::int64_t>> rows_;  ///< line in the file of each particle of files_
   std::unique_ptr<const ClosedWalls> closed_;    ///< only where a source keeps to one side of closed walls
   std::vector<Shortfall> shortfalls_;
+  std::vector<std::string> notes_;
   std::int64_t inserted_ = 0;
 };
 

@@ -34,6 +34,9 @@ void Insertion::read_file(std::size_t s) {
                 fmt::format("source '{}': tile", source.name), fmt::format("allowed: {} particles in all", most));
   const bool tiled = tiles(s) > 1;
   const Vec3 size = tile_size(s);
+  for (std::string& note : file.notes) notes_.push_back(std::move(note));
+  if (std::string note = box_note(file, path, scene_.domain.lower, scene_.domain.lower + size); !note.empty())
+    notes_.push_back(std::move(note));
   std::int16_t fixed_group = static_cast<std::int16_t>(source.group);
   for (std::size_t g = scene_.groups.size(); g-- > 0;) {
     if (scene_.groups[g].fixed_in_file) fixed_group = static_cast<std::int16_t>(g);

@@ -212,6 +212,8 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options) : impl_(st
   time_step_limits(scene, w.r_min, w.r_max, 0, w.insertion->materials());  // refuses a step that cannot be stable
   append_particles(w, w.insertion->initial(&w.walls), true);
   warn_of_extent(w);
+  for (const std::string& note : w.insertion->notes())
+    w.monitor.warnings.push_back({"particle_file", note, 0, 1, 0, 0});
   warn_of_sources(w);
   choose_chunk(w);
   w.chunk_of = ChunkMap(w.chunk_size);

@@ -89,9 +89,10 @@ struct Plan {
   std::string graph;  ///< text picture: nodes in order with edges
 };
 
-/// Something that the run-time monitor has seen: one entry per kind, in order of appearance.
+/// Something that the run-time monitor has seen, one entry per kind, in order of appearance; before them what was
+/// ignored in the particle files (kind particle_file).
 struct Warning {
-  std::string kind;  ///< overlap, travel, stiffness, energy, extent, source, stream NAME
+  std::string kind;  ///< overlap, travel, stiffness, energy, extent, particle_file, source, stream NAME
   std::string text;  ///< what, who, when and the cure, of the first time
   std::int64_t first_step = 0;
   std::int64_t count = 0;  ///< pairs, particles or balances above the level, summed over the sampled steps

@@ -22,16 +22,27 @@ struct ParticleFile {
   std::vector<std::uint8_t> fixed;         ///< empty where the file does not say
   std::vector<std::int64_t> row;           ///< line in the file, from 1
   std::optional<std::array<Vec3, 2>> box;  ///< LAMMPS: bounds stated in the file [m]
+  std::vector<std::string> notes;          ///< what was ignored or assumed, one line each, with the file's name
   std::size_t size() const noexcept { return x.size(); }
 };
 
-/// Reads a CSV file (header row naming x,y,z,radius or r,vx,vy,vz and optionally wx,wy,wz, material, fixed, in any
-/// order; material by name or by index from 0) or a LAMMPS data file (atom_style sphere: "id type diameter density x y
-/// z [image flags]", type t is material t-1, whose density must agree to 1e-4), either of them plain or
-/// gzip-compressed. The format is told from the content. Error{scene} with "file:row".
+/// Reads a table or a LAMMPS data file, either of them plain or gzip-compressed; the format is told from the content.
+/// Error{scene} with "file:row" in one line; for a file of another kind (UTF-16, XML, a dump, a workbook) with its
+/// kind.
+///
+/// Table: a header row that names x, y, z, radius (or diameter) and optionally vx, vy, vz (else 0), wx, wy, wz,
+/// material (by name or by index from 0), fixed, in any order; then one row per particle. Names of other programs are
+/// known (core/io/particle_columns.hpp), other columns are ignored. Separated by comma, semicolon, tab, bar or blanks;
+/// values may be quoted; decimal commas where the separator is none. Comment lines begin with #, % or //.
+///
+/// LAMMPS: atom_style sphere, "id type diameter density x y z [image flags]"; type t is material t-1, whose density
+/// must agree to 1e-4. Sections and counts without a meaning for spheres are ignored.
 ParticleFile read_particle_file(const std::string& path, std::span<const Material> materials);
 
 /// The same from text in memory; `name` stands for the file in messages.
 ParticleFile parse_particles(std::string_view text, const std::string& name, std::span<const Material> materials);
+
+/// What to say about the box of a LAMMPS file that is not the given one; "" where there is nothing to say.
+std::string box_note(const ParticleFile& file, const std::string& name, Vec3 lower, Vec3 upper);
 
 }  // namespace talus

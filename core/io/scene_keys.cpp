@@ -188,7 +188,10 @@ constexpr SceneKey k_keys[] = {
     {"source", "name", T::text, "", 0, 0, false, "", "(source_0, source_1, ...)", "", "name for reports",
      "\"filling\""},
     {"source", "file", T::text, "", 0, 0, false, "", "(required by file)", "kind=file",
-     "CSV with a header row (also gzip) or LAMMPS data file, relative to the scene", "\"state.csv.gz\""},
+     "table whose header row names x, y, z, radius (or diameter) and optionally vx, vy, vz, wx, wy, wz, material, "
+     "fixed; "
+     "or LAMMPS data file (sphere); also gzip; relative to the scene",
+     "\"state.csv.gz\""},
     {"source", "tile", T::cells, "-", 1, 10000, false, "", "[1, 1, 1]", "kind=file",
      "cuts the domain into so many equal boxes; the file fills the first, copies of it the others", "[4, 4, 1]"},
     {"source", "material", T::text, "", 0, 0, false, "", "(the first material)", "",

@@ -376,6 +376,9 @@ class Checker {
     if (k.type == KeyType::choice && n.is_string()) {
       hint = did_you_mean(n.as_string()->get(), choice_words(k));
     }
+    // an upper bound beyond every physical quantity is left out of allowed_text
+    if (const std::optional<double> v = number_in(n); v && *v > k.high && std::isfinite(*v))
+      hint = fmt::format(", at most {:g}", k.high);
     fail_value(ctx_, path, n, "must be " + allowed_text(k) + hint);
   }
   /// A key that would have no effect here is an error, not noise.

@@ -73,7 +73,7 @@ TEST(ParticleFile, ColumnsThatTheFileLacksAreEmpty) {
 
 TEST(ParticleFile, CsvErrorsNameFileAndRow) {
   const std::string head = "x,y,z,radius,vx,vy,vz\n";
-  EXPECT_CONTAINS(refusal("x,y,z,raduis,vx,vy,vz\n"), "p.csv:1: unknown column 'raduis' (did you mean 'radius'?)");
+  EXPECT_CONTAINS(refusal("x,y,z,raduis,vx,vy,vz\n"), "p.csv:1: column 'radius' is missing (is it 'raduis'?)");
   EXPECT_CONTAINS(refusal("x,y,z,vx,vy,vz\n"), "p.csv:1: column 'radius' is missing");
   EXPECT_CONTAINS(refusal("x,y,z,r,radius,vx,vy,vz\n"), "named twice");
   EXPECT_CONTAINS(refusal("x,y,z,r,vx,vy,vz,wx\n"), "wx, wy and wz come together");
@@ -147,8 +147,11 @@ TEST(ParticleFile, LammpsErrorsNameFileAndRow) {
   EXPECT_CONTAINS(broken("7 2 0.4", "7 2 -0.4"), "p.csv:11: diameter");
   EXPECT_CONTAINS(broken("5 1 1.0", "2 1 1.0"), "p.csv:13: id 2 is given twice");
   EXPECT_CONTAINS(broken("5 1 2 3", "9 1 2 3"), "p.csv:17: id 9 is not among the atoms");
-  EXPECT_CONTAINS(broken("Velocities", "Bonds"), "section 'Bonds' is not supported");
-  EXPECT_CONTAINS(broken("2 atom types", "2 bond types"), "p.csv:4: header line '2 bond types' is not supported");
+  EXPECT_CONTAINS(broken("Velocities", "Velocites"),
+                  "section 'Velocites' is not supported (did you mean 'Velocities'?)");
+  EXPECT_CONTAINS(broken("2 atom types", "2 atomtypes"), "p.csv:4: header line '2 atomtypes' is not supported");
+  EXPECT_CONTAINS(broken("2 -1 0 0", "5 -1 0 0"), "p.csv:18: id 5 is given twice");
+  EXPECT_CONTAINS(broken("-1 1 ylo", "1 -1 ylo"), "p.csv:6: box bounds '1 -1 ylo yhi' do not ascend");
   EXPECT_CONTAINS(broken(" 0 0 0\n", " 0 0\n"), "p.csv:11: 9 values in a row of Atoms");
 }
 

@@ -98,6 +98,7 @@ TEST(SceneValues, NumbersOfGrainsNearTheEndOfTheIntegersAreRefused) {
 TEST(SceneValues, DurationsOfAnyNumberOfStepsHaveAnAnswer) {
   EXPECT_CONTAINS(refusal(k_minimal, {"time.duration=1e30"}), "is more than 1e15 steps");
   EXPECT_CONTAINS(refusal(k_minimal, {"time.duration=1", "time.step=1e-300"}), "is more than 1e15 steps");
+  EXPECT_CONTAINS(refusal(k_minimal, {"time.step=1e300"}), "must be a number > 0 [s], at most 1e+30");
   EXPECT_EQ(parse(k_minimal, {"time.duration=1", "time.step=1e30"}).steps, 0);
   EXPECT_EQ(parse(k_minimal, {"time.duration=1e-300", "time.step=1e30"}).steps, 0);
 }
