@@ -218,9 +218,12 @@ Frame frame_of(World& w, const FrameRequest& q) {
     f.wall_loads.resize(static_cast<std::size_t>(w.walls.size()));
     for (const auto& c : w.chunks)
       for (std::size_t k = 0; k < c->wall_force.size(); ++k) {
-        WallLoad& l = f.wall_loads[static_cast<std::size_t>(c->wall_state[k].contact.wall)];
+        const WallContact& t = c->wall_state[k].contact;
+        WallLoad& l = f.wall_loads[static_cast<std::size_t>(t.wall)];
         l.force = l.force - c->wall_force[k];
-        l.torque = l.torque - cross(c->wall_point[k], c->wall_force[k]);
+        // the force acts on the wall itself, at a whole number of periods from the image that the grain touches
+        const Vec3 point = (t.centre + w.scene.domain.lower) - t.distance * t.normal;
+        l.torque = l.torque - cross(point, c->wall_force[k]);
         if (w.has.moments) l.torque = l.torque - c->wall_torque[k];
       }
   }
