@@ -83,6 +83,12 @@ void WallSet::Impl::list(const Wall& w, Vec3 c, double reach, std::int32_t slot,
   }
 }
 
+/// More than the distance within which an image of the wall has candidates, whatever rounds [m].
+double WallSet::Impl::generous(const Wall& w, Vec3 c, double reach) const {
+  const double coordinates = std::sqrt(norm2(c)) + std::sqrt(norm2(w.pose.translation)) + w.extent;
+  return (reach + w.skin) * (1 + 1e-6) + w.slack + 1e-12 * coordinates;
+}
+
 void WallSet::candidates(Vec3 c, double reach, std::vector<std::int32_t>& out, std::vector<float>* distance) const {
   for (int i = 0; i < size(); ++i) {
     const Wall& w = impl_->walls[i];
@@ -91,9 +97,7 @@ void WallSet::candidates(Vec3 c, double reach, std::vector<std::int32_t>& out, s
       impl_->list(w, c, reach, 0, {}, out, distance);
       continue;
     }
-    const double away = std::sqrt(norm2(c)) + std::sqrt(norm2(w.pose.translation)) + w.extent;
-    const double generous = (reach + w.skin) * (1 + 1e-6) + w.slack + 1e-12 * away;
-    w.images.for_near(c, generous, [&](std::int32_t slot, const Periods& image) {
+    w.images.for_near(c, impl_->generous(w, c, reach), [&](std::int32_t slot, const Periods& image) {
       impl_->list(w, c, reach, slot, w.images.shift(image), out, distance);
     });
   }
@@ -102,10 +106,12 @@ void WallSet::candidates(Vec3 c, double reach, std::vector<std::int32_t>& out, s
 void WallSet::audit_candidates(Vec3 c, double reach, std::vector<std::int32_t>& out) const {
   for (int i = 0; i < size(); ++i) {
     const Wall& w = impl_->walls[i];
-    if (w.pose.active)
-      w.images.for_all([&](std::int32_t slot, const Periods& image) {
-        impl_->list(w, c, reach, slot, w.images.shift(image), out, nullptr);
-      });
+    if (!w.pose.active) continue;
+    const double generous = impl_->generous(w, c, reach);
+    w.images.for_all([&](std::int32_t slot, const Periods& image) {
+      const Vec3 shift = w.images.shift(image);
+      if (w.images.away(c - shift) <= generous) impl_->list(w, c, reach, slot, shift, out, nullptr);
+    });
   }
 }
 

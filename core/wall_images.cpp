@@ -82,16 +82,6 @@ bool WallImages::place(Vec3 lower, Vec3 upper) noexcept {
   return true;
 }
 
-Periods WallImages::image(std::int32_t slot) const noexcept {
-  Periods m = first_;
-  for (int k = 0; k < 3; ++k) {
-    const std::int32_t n = slots_[k], ahead = slot % n - first_slot_[k];
-    m[k] += ahead < 0 ? ahead + n : ahead;
-    slot /= n;
-  }
-  return m;
-}
-
 void require_periodic_plane(const Domain& domain, const WallSpec& plane) {
   const Vec3 normal = unit(plane.normal);
   for (int k = 0; k < 3; ++k) {

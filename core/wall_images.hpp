@@ -35,8 +35,25 @@ class WallImages {
   /// Tells where the wall is now [m]: a box around it in the world. False where it is farther than k_farthest.
   bool place(Vec3 lower, Vec3 upper) noexcept;
   std::array<Vec3, 2> box() const noexcept { return {lower_, upper_}; }
+  /// How far c is from the box at least, along the axes that have images [m].
+  double away(Vec3 c) const noexcept {
+    double most = 0;
+    for (int k = 0; k < 3; ++k)
+      if (slots_[k] > 1) most = fmax2(most, fmax2(lower_[k] - c[k], c[k] - upper_[k]));
+    return most;
+  }
   /// The image in a slot.
-  Periods image(std::int32_t slot) const noexcept;
+  Periods image(std::int32_t slot) const noexcept {
+    Periods m = first_;
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t n = slots_[k];
+      if (n == 1) continue;
+      const std::int32_t ahead = slot % n - first_slot_[k];
+      m[k] += ahead < 0 ? ahead + n : ahead;
+      slot /= n;
+    }
+    return m;
+  }
   /// Displacement [m] of an image from the wall itself.
   Vec3 shift(const Periods& image) const noexcept {
     return {static_cast<double>(image[0]) * period_.x, static_cast<double>(image[1]) * period_.y,

@@ -47,6 +47,7 @@ struct WallSet::Impl {
   double travelled(const Wall& w) const;
   double speed(const Wall& w) const;
   void place_images(Wall& w) const;
+  double generous(const Wall& w, Vec3 c, double reach) const;
   void list(const Wall& w, Vec3 c, double reach, std::int32_t slot, Vec3 shift, std::vector<std::int32_t>& out,
             std::vector<float>* distance) const;
 };
