@@ -28,6 +28,7 @@ namespace {
 constexpr double k_tangent_tolerance = 1e-9;    // of the radius
 constexpr double k_candidate_inflation = 1e-9;  // of the reach: far above the rounding of a distance
 constexpr double k_shift_rounding = 0x1p-48;    // of the shift of an image
+constexpr double k_same_normal = 1e-18;         // squared difference
 constexpr double k_bound_deflation = 1e-6;      // of a distance that is stored in single precision
 
 struct Hit {
@@ -187,6 +188,17 @@ bool leads_nearer(const Wall& wall, const Hit& a, const Hit& b, Vec3 c, double t
   return closest(m->facets[a.element - wall.first], point).distance <= tolerance;
 }
 
+/// Where images overlap, a surface is there more than once and rounding alone decides which copy comes first: takes
+/// the copy that is nearest to the wall itself, whatever the list held.
+void settle_image(Hit& a, const std::vector<Hit>& hits, double tolerance) {
+  for (const Hit& h : hits) {
+    const double d = h.distance - a.distance;
+    if (h.wall == a.wall && h.feature == a.feature && d <= tolerance && -d <= tolerance &&
+        norm2(h.normal - a.normal) <= k_same_normal && image_before(h.shift, a.shift))
+      a = h;
+  }
+}
+
 }  // namespace
 
 int WallSet::contacts(Vec3 c, double radius, std::span<const std::int32_t> candidates, WallContact* out,
@@ -247,6 +259,8 @@ int WallSet::contacts(Vec3 c, double radius, std::span<const std::int32_t> candi
         if (separate && leads_nearer(walls[a.wall], a, h, c, tolerance(a, h))) separate = false;
     if (separate) accept(h);
   }
+  for (int k = 0; k < count; ++k)
+    if (norm2(accepted[k].shift) > 0) settle_image(accepted[k], hits, tolerance(accepted[k], accepted[k]));
   std::sort(accepted.begin(), accepted.begin() + count, [](const Hit& a, const Hit& b) {
     return a.element != b.element ? a.element < b.element : image_before(a.shift, b.shift);
   });

@@ -227,7 +227,7 @@ TEST_P(Lists, HoldImagesOfWallsThatMoveThroughTheSides) {
     contacts += sim.counters().wall_contacts;
   }
   EXPECT_EQ(sim.counters().missed_contacts, 0);
-  EXPECT_GT(contacts, 100);
+  EXPECT_GT(contacts, 40);
 }
 
 std::string policy_name(const testing::TestParamInfo<ListPolicy>& info) { return policy_text(info.param).name; }
