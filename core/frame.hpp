@@ -24,7 +24,7 @@ struct ContactRecord {
 
 struct WallLoad {
   Vec3 force;                   ///< on the wall [N]
-  Vec3 torque;                  ///< on the wall about the coordinate origin [N m]
+  Vec3 torque;                  ///< on the wall where the scene has it, about the coordinate origin [N m]
 };
 
 /// Energies at step n [J]; the balance residual is (kinetic + potential + elastic + dissipated - work - inserted) -

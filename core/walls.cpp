@@ -1,16 +1,6 @@
-// WallSet: candidates, reduced contacts and history hand-over for all walls of a scene.
-// Who calls it: scheduler/ (rebuild and wall_contact nodes). Invariants: I1 (candidate distances are inflated by more
-// than their rounding), I2 (skin and travel), I3 (element order), I4; elements stay in the wall's body frame, where
-// they are static: a centre is carried into it and the normal back.
-//
-// Reduction of the elements within reach of one sphere to contacts. A surface is touched where its distance to the
-// centre has a local minimum. So a feature is no contact of its own if
-//   (1) it lies at or behind the tangent plane of an accepted face, or of a nearer accepted edge or vertex: coplanar
-//       neighbours, the far side of a convex body, and copies of an edge or vertex seen from each of its facets;
-//   (2) it is an edge or vertex that lies in another facet which comes nearer to the centre elsewhere: facets are
-//       convex, so the distance falls on the way there (the foot of a ramp, the diagonal of a box face near a corner).
-// Faces are decided first, and only a face removes a face; then edges and vertices together, nearest first, because on
-// a finely meshed corner an edge farther away than the corner itself belongs to the same convex surface.
+// WallSet: set-up of all walls of a scene, their motion and skins, their surfaces for output.
+// Who calls it: scheduler/. Invariants: I2 (skin and travel), I4; elements stay in the wall's body frame, where they
+// are static.
 #include "core/walls.hpp"
 
 #include <fmt/format.h>
@@ -23,45 +13,14 @@
 
 #include "core/det_math.hpp"
 #include "core/error.hpp"
-#include "core/facet_grid.hpp"
 #include "core/io/mesh_file.hpp"
-#include "core/wall_elements.hpp"
 #include "core/wall_mesh.hpp"
 #include "core/wall_motion.hpp"
+#include "core/wall_set.hpp"
 #include "core/wall_surface.hpp"
 
 namespace talus {
 namespace {
-
-constexpr double k_tangent_tolerance = 1e-9;    // of the radius
-constexpr double k_candidate_inflation = 1e-9;  // of the reach: far above the rounding of a distance
-constexpr double k_bound_deflation = 1e-6;      // of a distance that is stored in single precision
-
-struct FacetMesh {
-  std::vector<TriangleElement> facets;
-  FacetGrid grid;        ///< for the largest reach there can be
-  FacetGrid usual_grid;  ///< for the reach of nearly all grains: shorter lists; empty where none was asked for
-};
-
-struct Wall {
-  WallSpec spec;
-  std::int32_t first = 0, count = 0;  ///< global element ids [first, first + count)
-  std::variant<PlaneElement, FrustumElement, FacetMesh> shape;
-  double slack = 0;             ///< vertices lie this near to their facet's plane [m]
-  double extent = 0;            ///< largest body coordinate, for rounding bounds [m]
-  std::array<Vec3, 8> corners;  ///< body box around the elements (planes: see travelled)
-  bool moves = false;           ///< at some time
-  bool turns_in_place = false;  ///< rotation maps the surface of revolution onto itself
-  WallPose pose, marked;
-  double skin = 0;  ///< [m]
-};
-
-struct Hit {
-  Vec3 normal;
-  double distance = 0;
-  std::int32_t wall = 0, element = 0;
-  Feature feature = Feature::face;
-};
 
 std::array<Vec3, 8> box_corners(Vec3 lo, Vec3 hi) {
   std::array<Vec3, 8> c;
@@ -140,20 +99,6 @@ bool turns_in_place(const FrustumElement& f, const WallMotion& m) {
 
 }  // namespace
 
-struct WallSet::Impl {
-  std::vector<Wall> walls;
-  std::int64_t elements = 0;
-  double dt = 0;
-  double largest_travel = 0;   ///< largest travelled() since mark() [m]
-  std::array<Vec3, 8> domain;  ///< corners of the domain, widened by max_reach
-  Vec3 lower, upper;           ///< the domain itself [m]
-
-  Wall build(const Scene& scene, const WallSpec& spec, double max_reach, double usual_reach,
-             double largest_diameter) const;
-  double travelled(const Wall& w) const;
-  double speed(const Wall& w) const;
-};
-
 Wall WallSet::Impl::build(const Scene& scene, const WallSpec& spec, double max_reach, double usual_reach,
                           double largest_diameter) const {
   check_spec(spec);
@@ -173,6 +118,7 @@ Wall WallSet::Impl::build(const Scene& scene, const WallSpec& spec, double max_r
   };
   switch (spec.shape) {
     case WallShape::plane:
+      require_periodic_plane(scene.domain, spec);
       w.shape = make_plane(spec.point, spec.normal);
       w.corners.fill(spec.point);
       break;
@@ -183,7 +129,10 @@ Wall WallSet::Impl::build(const Scene& scene, const WallSpec& spec, double max_r
       const Vec3 top = f.base + f.length * f.axis;
       const double r = fmax2(spec.radius, end);
       Vec3 lo, hi;
-      for (int k = 0; k < 3; ++k) lo[k] = fmin2(f.base[k], top[k]) - r, hi[k] = fmax2(f.base[k], top[k]) + r;
+      for (int k = 0; k < 3; ++k) {
+        const double a = f.axis[(k + 1) % 3], b = f.axis[(k + 2) % 3], across = r * std::sqrt(a * a + b * b);
+        lo[k] = fmin2(f.base[k], top[k]) - across, hi[k] = fmax2(f.base[k], top[k]) + across;
+      }
       w.corners = box_corners(lo, hi);
       w.turns_in_place = turns_in_place(f, spec.motion);
       w.shape = f;
@@ -201,17 +150,34 @@ Wall WallSet::Impl::build(const Scene& scene, const WallSpec& spec, double max_r
       const Mesh mesh = read_mesh(path.string(), spec.scale, spec.shift, largest_diameter);
       const MeshReport& r = mesh.report;
       for (int k = 0; k < 3 && !w.moves; ++k)
-        require(r.lower[k] <= scene.domain.upper[k] && r.upper[k] >= scene.domain.lower[k], spec,
-                fmt::format("mesh {} lies outside the domain: {} from {:.4g} to {:.4g} m", r.file, "xyz"[k], r.lower[k],
-                            r.upper[k]),
-                "check wall.scale and wall.shift: a file in mm needs scale = 0.001");
+        require(
+            scene.domain.periodic(k) || (r.lower[k] <= scene.domain.upper[k] && r.upper[k] >= scene.domain.lower[k]),
+            spec,
+            fmt::format("mesh {} lies outside the domain: {} from {:.4g} to {:.4g} m", r.file, "xyz"[k], r.lower[k],
+                        r.upper[k]),
+            "check wall.scale and wall.shift: a file in mm needs scale = 0.001");
       add_mesh(mesh);
       break;
     }
   }
   for (const Vec3 c : w.corners)
     for (int k = 0; k < 3; ++k) w.extent = fmax2(w.extent, c[k] < 0 ? -c[k] : c[k]);
+  if (spec.shape != WallShape::plane)
+    w.images = WallImages(scene.domain, spec, w.corners.front(), w.corners.back(), max_reach);
   return w;
+}
+
+/// Tells the wall's images where it is now.
+void WallSet::Impl::place_images(Wall& w) const {
+  Vec3 lo = to_world(w.pose, w.corners[0]), hi = lo;
+  for (const Vec3 c : w.corners) {
+    const Vec3 x = to_world(w.pose, c);
+    for (int k = 0; k < 3; ++k) lo[k] = fmin2(lo[k], x[k]), hi[k] = fmax2(hi[k], x[k]);
+  }
+  if (!w.images.place(lo, hi))
+    throw Error(ErrorCode::physics,
+                fmt::format("the wall is more than {:g} periods away from the domain", WallImages::k_farthest),
+                "wall \"" + w.spec.name + "\"", "let its motion end sooner (wall.motion.end)");
 }
 
 /// Upper bound of the displacement since mark() of every point of the wall that a particle can touch [m].
@@ -259,17 +225,24 @@ WallSet::WallSet(const Scene& scene, double max_reach, double usual_reach) : imp
   double largest_diameter = 0;
   for (const Source& s : scene.sources)
     if (s.kind != Source::Kind::file) largest_diameter = fmax2(largest_diameter, s.size.largest());
+  std::int64_t codes = 0;
   for (const WallSpec& spec : specs) {
     Wall w = impl_->build(scene, spec, max_reach, usual_reach, largest_diameter);
     w.first = static_cast<std::int32_t>(impl_->elements);
+    w.first_code = static_cast<std::int32_t>(codes);
     impl_->elements += w.count;
-    if (impl_->elements > std::numeric_limits<std::int32_t>::max())
-      throw Error(ErrorCode::scene, "the walls have more than 2^31 elements", "wall \"" + spec.name + "\"",
-                  "use coarser meshes");
+    codes += static_cast<std::int64_t>(w.count) * w.images.count();
+    if (codes > std::numeric_limits<std::int32_t>::max())
+      throw Error(ErrorCode::scene, "the walls and their periodic images have more than 2^31 elements",
+                  "wall \"" + spec.name + "\"", "use coarser meshes");
+    w.end_code = static_cast<std::int32_t>(codes);
     impl_->walls.push_back(std::move(w));
   }
   set_step(0, scene.dt > 0 ? scene.dt : 1);
-  for (Wall& w : impl_->walls) w.marked = w.pose;
+  for (Wall& w : impl_->walls) {
+    w.marked = w.pose;
+    if (w.images.any()) impl_->place_images(w);
+  }
 }
 
 WallSet::WallSet() = default;
@@ -285,6 +258,12 @@ bool WallSet::any_moving() const noexcept {
     const Wall& w = impl_->walls[k];
     if (w.moves || w.spec.appear > 0 || w.spec.vanish < k_never) return true;
   }
+  return false;
+}
+
+bool WallSet::has_images() const noexcept {
+  for (int k = 0; k < size(); ++k)
+    if (impl_->walls[k].images.any()) return true;
   return false;
 }
 
@@ -310,6 +289,7 @@ void WallSet::set_step(std::int64_t n, double dt) {
   impl_->largest_travel = 0;
   for (Wall& w : impl_->walls) {
     w.pose = pose_at(w.spec.motion, w.spec.appear, w.spec.vanish, n, dt);
+    if (w.moves && w.images.any()) impl_->place_images(w);
     impl_->largest_travel = fmax2(impl_->largest_travel, impl_->travelled(w));
   }
 }
@@ -333,166 +313,29 @@ bool WallSet::expired() const {
   return false;
 }
 
-void WallSet::candidates(Vec3 c, double reach, std::vector<std::int32_t>& out, std::vector<float>* distance) const {
-  for (int i = 0; i < size(); ++i) {
-    const Wall& w = impl_->walls[i];
-    if (!w.pose.active) continue;
-    const Vec3 b = to_body(w.pose, c);
-    const double coordinates = std::sqrt(norm2(c)) + std::sqrt(norm2(b)) + w.extent;
-    const double rounding = 0x1p-48 * coordinates + w.slack;
-    const double within = (reach + w.skin) * (1 + k_candidate_inflation) + rounding;
-    const auto add = [&](std::int32_t element, double d) {
-      if (!(d <= within)) return;
-      out.push_back(element);
-      if (distance != nullptr) distance->push_back(static_cast<float>((d - rounding) * (1 - k_bound_deflation)));
-    };
-    if (const auto* plane = std::get_if<PlaneElement>(&w.shape)) {
-      add(w.first, closest(*plane, b).distance);
-    } else if (const auto* frustum = std::get_if<FrustumElement>(&w.shape)) {
-      add(w.first, closest(*frustum, b).distance);
-    } else {
-      const auto& m = std::get<FacetMesh>(w.shape);
-      const double padded = within * (1 + k_candidate_inflation);
-      auto test = [&](std::int32_t f) {
-        ElementHit hit;
-        if (closest_within(m.facets[f], b, padded, hit)) add(w.first + f, hit.distance);
-      };
-      // a grid was built with the slack on top of its reach
-      const auto covers = [&](const FacetGrid& g) { return within - w.slack <= g.reach() * (1 + 0.5e-6); };
-      if (covers(m.usual_grid)) {
-        for (const std::int32_t f : m.usual_grid.near(b)) test(f);
-      } else if (covers(m.grid)) {
-        for (const std::int32_t f : m.grid.near(b)) test(f);
-      } else {  // more than the grid was built for: slower, never incomplete
-        for (std::int32_t f = 0; f < w.count; ++f) test(f);
-      }
-    }
-  }
-}
-
 namespace {
 
-/// Closest points nearer than the radius, in element order, normals in the world frame.
-void collect_hits(const std::vector<Wall>& walls, Vec3 c, double radius, std::span<const std::int32_t> elements,
-                  std::vector<Hit>& hits) {
-  std::size_t wall = 0;
-  bool placed = false;
-  Vec3 b;
-  for (const std::int32_t e : elements) {
-    while (e >= walls[wall].first + walls[wall].count) ++wall, placed = false;
-    const Wall& w = walls[wall];
-    if (!w.pose.active) continue;
-    if (!placed) b = to_body(w.pose, c), placed = true;
-    ElementHit hit;
-    if (const auto* m = std::get_if<FacetMesh>(&w.shape)) {
-      if (!closest_within(m->facets[e - w.first], b, radius + w.slack, hit)) continue;
-    } else if (const auto* plane = std::get_if<PlaneElement>(&w.shape)) {
-      hit = closest(*plane, b);
-    } else {
-      hit = closest(std::get<FrustumElement>(w.shape), b);
+/// The wall and those of its images that lie in the domain, beyond rounding; nothing where none does.
+WallSurface with_images(const WallImages& images, const WallSurface& own, Vec3 lower, Vec3 upper) {
+  if (!images.any()) return own;
+  WallSurface s;
+  images.for_all([&](std::int32_t, const Periods& image) {
+    const Vec3 shift = images.shift(image), period = images.period();
+    const std::array<Vec3, 2> box = images.box();
+    for (int k = 0; k < 3; ++k) {
+      const double hair = 1e-9 * period[k], low = box[0][k] + shift[k], high = box[1][k] + shift[k];
+      // one that only touches a side is drawn at the other side; a flat one in the side must be somewhere
+      const double least = high - low > 2 * hair ? lower[k] + hair : lower[k] - hair;
+      if (period[k] > 0 && !(low < upper[k] - hair && high > least)) return;
     }
-    if (hit.distance < radius)
-      hits.push_back(
-          {direction_to_world(w.pose, hit.normal), hit.distance, static_cast<std::int32_t>(wall), e, hit.feature});
-  }
-}
-
-/// True if the closest point of `b` lies in the facet of `a`, which comes nearer to the centre elsewhere.
-bool leads_nearer(const Wall& wall, const Hit& a, const Hit& b, Vec3 c, double tolerance) {
-  const auto* m = std::get_if<FacetMesh>(&wall.shape);
-  if (m == nullptr || !(a.distance < b.distance)) return false;
-  const Vec3 point = to_body(wall.pose, c - b.distance * b.normal);
-  return closest(m->facets[a.element - wall.first], point).distance <= tolerance;
+    const auto first = static_cast<std::int32_t>(s.points.size());
+    for (const Vec3 p : own.points) s.points.push_back(p + shift);
+    for (const auto& t : own.triangles) s.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  });
+  return s;
 }
 
 }  // namespace
-
-int WallSet::contacts(Vec3 c, double radius, std::span<const std::int32_t> elements, WallContact* out) const {
-  if (elements.empty()) return 0;
-  const std::vector<Wall>& walls = impl_->walls;
-  static thread_local std::vector<Hit> hits;
-  hits.clear();
-  collect_hits(walls, c, radius, elements, hits);
-
-  const auto contact = [&](const Hit& h) {
-    const Vec3 point = c - h.distance * h.normal;
-    return WallContact{h.wall, h.element, h.normal, h.distance, velocity_at(walls[h.wall].pose, point, impl_->dt)};
-  };
-  if (hits.empty()) return 0;
-  if (hits.size() == 1) {
-    out[0] = contact(hits[0]);
-    return 1;
-  }
-  static thread_local std::array<Hit, k_max_contacts> accepted;  // not cleared at every call
-  int count = 0;
-  auto accept = [&](const Hit& h) {
-    if (count == k_max_contacts)
-      throw Error(
-          ErrorCode::physics,
-          fmt::format("a particle of radius {:.4g} m touches more than {} wall features", radius, k_max_contacts),
-          fmt::format("position ({:.6g}, {:.6g}, {:.6g})", c.x, c.y, c.z),
-          "the mesh is much finer than the particle: use a coarser one");
-    accepted[count++] = h;
-  };
-  auto tolerance = [&](const Hit& a, const Hit& b) {
-    return fmax2(k_tangent_tolerance * radius, fmax2(walls[a.wall].slack, walls[b.wall].slack));
-  };
-  auto behind_accepted = [&](const Hit& h) {
-    for (int k = 0; k < count; ++k) {
-      const Hit& a = accepted[k];
-      if (a.distance - h.distance * dot(a.normal, h.normal) <= tolerance(a, h)) return true;
-    }
-    return false;
-  };
-  // Faces first, each group nearest first; an edge wins against a vertex at the same distance.
-  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
-    const bool fa = a.feature == Feature::face, fb = b.feature == Feature::face;
-    if (fa != fb) return fa;
-    if (a.distance != b.distance) return a.distance < b.distance;
-    return a.feature != b.feature ? a.feature < b.feature : a.element < b.element;
-  });
-  for (const Hit& h : hits) {
-    if (behind_accepted(h)) continue;
-    bool separate = true;
-    if (h.feature != Feature::face)
-      for (const Hit& a : hits)
-        if (separate && leads_nearer(walls[a.wall], a, h, c, tolerance(a, h))) separate = false;
-    if (separate) accept(h);
-  }
-  std::sort(accepted.begin(), accepted.begin() + count,
-            [](const Hit& a, const Hit& b) { return a.element < b.element; });
-  for (int k = 0; k < count; ++k) out[k] = contact(accepted[k]);
-  return count;
-}
-
-void WallSet::match(std::span<const WallContact> before, std::span<const WallContact> now, std::int32_t* from) {
-  std::array<bool, k_max_contacts> taken{};
-  for (std::size_t i = 0; i < now.size(); ++i) {
-    from[i] = -1;
-    for (std::size_t j = 0; j < before.size(); ++j)
-      if (before[j].element == now[i].element && !taken[j]) {
-        from[i] = static_cast<std::int32_t>(j);
-        taken[j] = true;
-        break;
-      }
-  }
-  // The best remaining pair first, so that the outcome does not depend on the order of the contacts.
-  for (;;) {
-    double best = 0.9;
-    std::size_t bi = 0, bj = 0;
-    bool found = false;
-    for (std::size_t i = 0; i < now.size(); ++i)
-      for (std::size_t j = 0; j < before.size() && from[i] < 0; ++j)
-        if (!taken[j] && before[j].wall == now[i].wall && dot(before[j].normal, now[i].normal) > best) {
-          best = dot(before[j].normal, now[i].normal);
-          bi = i, bj = j;
-          found = true;
-        }
-    if (!found) return;
-    from[bi] = static_cast<std::int32_t>(bj);
-    taken[bj] = true;
-  }
-}
 
 std::vector<WallSurface> WallSet::surfaces() const {
   std::vector<WallSurface> all;
@@ -509,6 +352,7 @@ std::vector<WallSurface> WallSet::surfaces() const {
         s = tessellated(std::get<FacetMesh>(w.shape).facets);
       if (w.spec.shape != WallShape::plane)
         for (Vec3& p : s.points) p = to_world(w.pose, p);
+      s = with_images(w.images, s, impl_->lower, impl_->upper);
     }
     s.name = w.spec.name;
     all.push_back(std::move(s));

@@ -3,8 +3,12 @@
 // treats it as a partner of radius 0 and infinite mass. Who calls it: scheduler/ (rebuild and wall_contact nodes).
 // Invariants: I1 (candidates complete), I2 (travel against the stored wall skin), I3 (contacts ordered by wall id,
 // element id), I4 (pose is a function of the step number; + - * / sqrt only, sin/cos from core/det_math.hpp).
+// On a periodic axis every wall acts through the sides as in the middle: a contact is one with an element of one of its
+// images (core/wall_images.hpp). Planes must be their own image. Where images of a wall overlap they are one solid:
+// surfaces that coincide count once.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -34,6 +38,7 @@ struct WallContact {
   Vec3 normal;               ///< unit, from the wall to the particle centre
   double distance = 0;       ///< centre to contact point [m]
   Vec3 velocity;             ///< wall velocity at the contact point at the mid-step n-1/2 [m/s]
+  Vec3 centre;               ///< the particle's centre as the wall itself has it, not the image that is touched [m]
 };
 
 /// Triangulated surface for output and reports; primitives are tessellated, infinite planes are clipped to the domain.
@@ -46,13 +51,15 @@ struct WallSurface {
 class WallSet {
  public:
   static constexpr int k_max_contacts = 16;  ///< simultaneous wall contacts of one particle; more is Error{physics}
+  /// By how many periods a particle was wrapped along each axis.
+  using Wraps = std::array<int, 3>;
 
   WallSet();
   /// Builds all elements; loads meshes relative to scene.directory. Sides of the domain with Boundary::wall become
   /// plane walls named "domain_x_lower" ... after the scene's own walls. `max_reach` [m]: the largest R_NL (radius +
   /// capped skin + wall skin) that candidates() will ever be asked for (sizes the facet grid). `usual_reach` [m]: what
   /// most calls stay below, 0: no grid of its own for it. Errors: Error{scene} for a broken mesh or impossible
-  /// geometry, with file and facet.
+  /// geometry, with file and facet, and for a plane that a periodic axis crosses.
   WallSet(const Scene& scene, double max_reach, double usual_reach = 0);
   ~WallSet();
   WallSet(WallSet&&) noexcept;
@@ -62,6 +69,7 @@ class WallSet {
 
   int size() const noexcept;         ///< number of walls (0: scene needs no wall arrays or nodes)
   bool any_moving() const noexcept;  ///< some wall moves, appears or vanishes at some time
+  bool has_images() const noexcept;  ///< some wall can be touched through a periodic side
   const std::string& name(int wall) const;
   int material(int wall) const;
   std::int64_t element_count() const noexcept;
@@ -69,6 +77,7 @@ class WallSet {
 
   /// Sets the pose of every wall to step n: positions at t_n = n*dt, velocities such that the displacement over the
   /// step [n-1, n] equals velocity*dt (mid-step velocity, consistent with leapfrog particle velocities).
+  /// Error{physics} for a wall that has gone a million periods.
   void set_step(std::int64_t n, double dt);
   const WallPose& pose(int wall) const;
 
@@ -79,23 +88,29 @@ class WallSet {
   /// True if some wall's fastest vertex travel since mark() exceeds its stored skin, or its activity changed.
   bool expired() const;
 
-  /// Appends, ascending, the ids of all elements of active walls within radius + skin_particle + skin(wall) of centre
-  /// c. `reach` = radius + skin_particle. `distance`: also appends a lower bound of the distance of each [m].
-  /// Thread-safe (const).
+  /// Appends the candidates of centre c: codes of all elements of active walls, images included, within radius +
+  /// skin_particle + skin(wall) of it, wall after wall. Without periodic axes a code is the element's id, and they
+  /// ascend. `reach` = radius + skin_particle, below max_reach on periodic axes. `distance`: also appends a lower bound
+  /// of the distance of each [m]. Thread-safe (const).
   void candidates(Vec3 c, double reach, std::vector<std::int32_t>& out, std::vector<float>* distance = nullptr) const;
+  /// The same by asking every image instead of those that can be near: for audits.
+  void audit_candidates(Vec3 c, double reach, std::vector<std::int32_t>& out) const;
   /// How much nearer a wall can have come since mark() to a point at rest [m]: the largest of all walls.
   double largest_travel() const noexcept;
 
-  /// Exact closest points of the candidate elements at the present pose, kept where distance < radius, reduced
+  /// Exact closest points of the candidates at the present pose, kept where distance < radius, reduced
   /// (face > edge > vertex; a feature at or behind the tangent plane of a nearer contact belongs to the same surface),
-  /// ordered by (wall, element). Returns the count (<= k_max_contacts). Thread-safe.
-  int contacts(Vec3 c, double radius, std::span<const std::int32_t> elements, WallContact* out) const;
+  /// ordered by (wall, element, distance of the image). `wraps`: by which c was wrapped since they were listed. Returns
+  /// the count (<= k_max_contacts). Thread-safe.
+  int contacts(Vec3 c, double radius, std::span<const std::int32_t> candidates, WallContact* out,
+               const Wraps& wraps = {}) const;
 
-  /// For each of `now` the index of its predecessor in `before`, or -1: same element first, then within the same wall
-  /// the unmatched one with the closest normal (cosine > 0.9): history passes to the adjoining facet.
-  static void match(std::span<const WallContact> before, std::span<const WallContact> now, std::int32_t* from);
+  /// For each of `now` the index of its predecessor in `before`, or -1: same element of the same image first, then
+  /// within the same wall the unmatched one with the closest normal (cosine > 0.9): history passes to the adjoining
+  /// facet, also through a periodic side.
+  void match(std::span<const WallContact> before, std::span<const WallContact> now, std::int32_t* from) const;
 
-  /// Surfaces at the present pose, for output.
+  /// Surfaces at the present pose, for output: of all images that reach into the domain.
   std::vector<WallSurface> surfaces() const;
 
  private:

@@ -1,6 +1,7 @@
 // The audit of the lists (RunOptions::audit): what touches now and is in no list. Who calls it: the node that starts a
 // step. Invariant: it finds its pairs without the cells, levels and skins under test.
 #include <algorithm>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -116,25 +117,34 @@ class Strips {
   std::vector<std::vector<Row>> rows_;
 };
 
-/// Wall elements within reach of a row that are not among its candidates.
+/// Contacts of a row with walls, all images asked, that its candidates do not yield.
 std::int64_t missed_walls(const World& w, Row i, std::vector<std::int32_t>& all) {
   all.clear();
-  WallContact near[WallSet::k_max_contacts];
+  WallContact near[WallSet::k_max_contacts], listed[WallSet::k_max_contacts];
   const Vec3 centre{w.p[4L * i], w.p[4L * i + 1], w.p[4L * i + 2]};
   const double reach = w.p[4L * i + 3] + 2 * w.skin.range(w.p[4L * i + 3]);
-  w.walls.candidates(centre, reach, all);
+  w.walls.audit_candidates(centre, reach, all);
   const int n = all.empty() ? 0 : w.walls.contacts(centre, reach, all, near);
   const Chunk& c = *w.chunks[static_cast<std::size_t>(w.chunk_of(i))];
   const auto at = std::lower_bound(c.wall_row.begin(), c.wall_row.end(), i);
   const bool has = at != c.wall_row.end() && *at == i;
-  const auto row = static_cast<std::size_t>(at - c.wall_row.begin());
-  std::int64_t missed = 0;
-  for (int k = 0; k < n; ++k) {
-    const bool found =
-        has && std::find(c.wall_element.begin() + c.wall_begin[row], c.wall_element.begin() + c.wall_begin[row + 1],
-                         near[k].element) != c.wall_element.begin() + c.wall_begin[row + 1];
-    if (!found) ++missed;
+  int m = 0;
+  if (has) {
+    const auto row = static_cast<std::size_t>(at - c.wall_row.begin());
+    const std::span<const std::int32_t> own(c.wall_element.data() + c.wall_begin[row],
+                                            c.wall_element.data() + c.wall_begin[row + 1]);
+    const double* listed_at = (w.skin.cuts() ? w.outer : w.x0).data() + 4L * i;
+    m = w.walls.contacts(centre, reach, own, listed, wraps_of(w, w.p.data() + 4L * i, listed_at));
   }
+  std::int64_t missed = 0;
+  for (int k = 0; k < n; ++k)
+    missed += std::none_of(listed, listed + m,
+                           [&](const WallContact& t) {
+                             return t.element == near[k].element && t.distance == near[k].distance &&
+                                    norm2(t.centre - near[k].centre) == 0;
+                           })
+                  ? 1
+                  : 0;
   return missed;
 }
 

@@ -376,6 +376,7 @@ void wall_chunk(World& w, Chunk& c) {
   c.wall_moment_next.clear();
   const auto moment_columns = static_cast<std::size_t>(w.has.moment_columns);
   const double wall_travel = w.walls.largest_travel();
+  const bool images = w.walls.has_images();
   const double* listed_at = w.skin.cuts() ? w.outer.data() : w.x0.data();
   WallContact found[WallSet::k_max_contacts], before[WallSet::k_max_contacts];
   std::int32_t from[WallSet::k_max_contacts];
@@ -400,15 +401,15 @@ void wall_chunk(World& w, Chunk& c) {
       s.wall_near[near] = c.wall_element[k];
       near += c.wall_distance[k] <= limit ? 1 : 0;
     }
-    int n = w.walls.contacts(centre, radius, std::span<const std::int32_t>(s.wall_near.data(), near), found);
+    const WallSet::Wraps wraps = images ? wraps_of(w, x, listed_at + 4L * i) : WallSet::Wraps{};
+    int n = w.walls.contacts(centre, radius, std::span<const std::int32_t>(s.wall_near.data(), near), found, wraps);
     if (n == 0) continue;
     while (old < c.wall_state.size() && c.wall_state[old].row < i) ++old;
     std::size_t end = old;
     int nb = 0;
     while (end < c.wall_state.size() && c.wall_state[end].row == i && nb < WallSet::k_max_contacts)
       before[nb++] = c.wall_state[end++].contact;
-    WallSet::match(std::span(before, static_cast<std::size_t>(nb)), std::span(found, static_cast<std::size_t>(n)),
-                   from);
+    w.walls.match(std::span(before, static_cast<std::size_t>(nb)), std::span(found, static_cast<std::size_t>(n)), from);
     if (w.has.adhesion) n = keep_wall_contacts(w, i, found, from, n);
     for (int k = 0; k < n; ++k) {
       WallState t;

@@ -202,9 +202,12 @@ std::vector<WallLoad> wall_loads(const World& w) {
   std::vector<WallLoad> loads(static_cast<std::size_t>(w.walls.size()));
   for (const auto& c : w.chunks)
     for (std::size_t k = 0; k < c->wall_force.size(); ++k) {
-      WallLoad& l = loads[static_cast<std::size_t>(c->wall_state[k].contact.wall)];
+      const WallContact& t = c->wall_state[k].contact;
+      WallLoad& l = loads[static_cast<std::size_t>(t.wall)];
       l.force = l.force - c->wall_force[k];
-      l.torque = l.torque - cross(c->wall_point[k], c->wall_force[k]);
+      // the force acts on the wall itself, at a whole number of periods from the image that the grain touches
+      const Vec3 point = (t.centre + w.scene.domain.lower) - t.distance * t.normal;
+      l.torque = l.torque - cross(point, c->wall_force[k]);
       if (w.has.moments) l.torque = l.torque - c->wall_torque[k];
     }
   return loads;

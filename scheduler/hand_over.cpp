@@ -78,7 +78,8 @@ void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, co
     c->wall_moment.clear();
   }
   std::vector<WallEntry> sorted = walls;
-  std::sort(sorted.begin(), sorted.end(), [](const WallState& l, const WallState& r) {
+  // stable: contacts with one element through several images keep their order
+  std::stable_sort(sorted.begin(), sorted.end(), [](const WallState& l, const WallState& r) {
     return std::tie(l.row, l.contact.wall, l.contact.element) < std::tie(r.row, r.contact.wall, r.contact.element);
   });
   for (const WallEntry& s : sorted) {

@@ -150,28 +150,9 @@ void wall_candidates(World& w, Chunk& c) {
     const double own =
         w.skin.cuts() ? w.outer[4L * i + 3] : __builtin_sqrt(w.x0[4L * i + 3]) / (w.options.seeded_fault == 3 ? 3 : 1);
     const double skin = w.skin.to_walls(own) + drift_reach(w, i);
-    // Walls have no images: where the row wraps before the next rebuild it meets the elements at the other end.
     const Vec3 at{w.p[4L * i], w.p[4L * i + 1], w.p[4L * i + 2]};
-    const double radius = w.p[4L * i + 3] + 2 * w.skin.range(w.p[4L * i + 3]), reach = radius + skin;
-    Vec3 shift[3];
-    int shifts[3] = {1, 1, 1};
-    for (int k = 0; k < 3; ++k) {
-      if (!w.scene.domain.periodic(k)) continue;
-      const double x = w.p[4L * i + k], margin = skin + 1e-12 * w.size[k];
-      if (x < margin) shift[shifts[k]++][k] = w.size[k];
-      if (x >= w.size[k] - margin) shift[shifts[k]++][k] = -w.size[k];
-    }
-    for (int a = 0; a < shifts[0]; ++a)
-      for (int b = 0; b < shifts[1]; ++b)
-        for (int d = 0; d < shifts[2]; ++d)
-          w.walls.candidates(at + Vec3{shift[a].x, shift[b].y, shift[d].z}, reach, c.wall_element, &c.wall_distance);
-    if (shifts[0] * shifts[1] * shifts[2] > 1) {
-      const auto first = c.wall_element.begin() + static_cast<std::ptrdiff_t>(before);
-      std::sort(first, c.wall_element.end());
-      c.wall_element.erase(std::unique(first, c.wall_element.end()), c.wall_element.end());
-      c.wall_distance.resize(before);  // which image comes nearest may change
-      c.wall_distance.resize(c.wall_element.size(), 0.0F);
-    }
+    const double radius = w.p[4L * i + 3] + 2 * w.skin.range(w.p[4L * i + 3]);
+    w.walls.candidates(at, radius + skin, c.wall_element, &c.wall_distance);
     if (c.wall_element.size() == before) continue;
     c.wall_row.push_back(i);
     if (w.has.adhesion) c.wall_radius.push_back(radius);

@@ -129,6 +129,17 @@ struct Meta {
       start_known, dt;
 };
 
+/// A wall contact as checkpoints hold it, beside its history of rolling and twisting.
+struct WallRecord {
+  Row row;
+  std::int32_t unused;  ///< no padding: the bytes are a function of the state
+  std::int32_t wall, element;
+  Vec3 normal;
+  double distance;
+  Vec3 velocity;
+  double h[k_max_history];
+};
+
 /// Contacts without the columns that the scene does not have: pairs of rows, then the columns of each contact.
 void write_contacts(const World& w, CheckpointWriter& out) {
   std::size_t most = 0;
@@ -149,22 +160,18 @@ void write_contacts(const World& w, CheckpointWriter& out) {
   out.add("contacts", std::move(rows));
   out.add("contact_history", std::move(history));
   const auto walls = collect_wall_states(w);
-  std::vector<WallState> clean(walls.size());
+  std::vector<WallRecord> records(walls.size());
+  std::vector<Vec3> centres;
   std::vector<double> moments;
-  if (!clean.empty())
-    std::memset(static_cast<void*>(clean.data()), 0,
-                clean.size() * sizeof(WallState));  // no padding garbage in the bytes
   for (std::size_t k = 0; k < walls.size(); ++k) {
-    clean[k].row = walls[k].row;
-    clean[k].contact.wall = walls[k].contact.wall;
-    clean[k].contact.element = walls[k].contact.element;
-    clean[k].contact.normal = walls[k].contact.normal;
-    clean[k].contact.distance = walls[k].contact.distance;
-    clean[k].contact.velocity = walls[k].contact.velocity;
-    for (int h = 0; h < k_max_history; ++h) clean[k].h[h] = walls[k].h[h];
+    const WallContact& t = walls[k].contact;
+    records[k] = {walls[k].row, 0, t.wall, t.element, t.normal, t.distance, t.velocity, {}};
+    std::copy_n(walls[k].h, k_max_history, records[k].h);
+    centres.push_back(t.centre);
     moments.insert(moments.end(), walls[k].m, walls[k].m + w.has.moment_columns);
   }
-  out.add_array("wall_contacts", clean.data(), clean.size());
+  out.add_array("wall_contacts", records.data(), records.size());
+  if (w.walls.has_images()) out.add_array("wall_centres", centres.data(), centres.size());
   if (w.has.moments) out.add_array("wall_moments", moments.data(), moments.size());
 }
 
@@ -186,16 +193,21 @@ std::vector<ContactEntry> read_contacts(const World& w, const CheckpointReader& 
 }
 
 std::vector<WallEntry> read_walls(const World& w, const CheckpointReader& in) {
-  std::vector<WallState> states;
+  std::vector<WallRecord> records;
+  std::vector<Vec3> centres;
   std::vector<double> moments;
-  in.read_array<WallState>("wall_contacts", states);
+  in.read_array<WallRecord>("wall_contacts", records);
+  if (w.walls.has_images()) in.read_array<Vec3>("wall_centres", centres);
   if (w.has.moments) in.read_array<double>("wall_moments", moments);
   const auto columns = static_cast<std::size_t>(w.has.moment_columns);
-  if (moments.size() != states.size() * columns)
+  if (moments.size() != records.size() * columns || (w.walls.has_images() && centres.size() != records.size()))
     throw Error(ErrorCode::io, "wall contacts and their history do not fit together", in.path());
-  std::vector<WallEntry> out(states.size());
+  std::vector<WallEntry> out(records.size());
   for (std::size_t k = 0; k < out.size(); ++k) {
-    static_cast<WallState&>(out[k]) = states[k];
+    const WallRecord& r = records[k];
+    out[k].row = r.row;
+    out[k].contact = {r.wall, r.element, r.normal, r.distance, r.velocity, centres.empty() ? Vec3{} : centres[k]};
+    std::copy_n(r.h, k_max_history, out[k].h);
     std::copy_n(moments.begin() + static_cast<std::ptrdiff_t>(k * columns), columns, out[k].m);
   }
   return out;

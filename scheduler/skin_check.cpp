@@ -182,6 +182,16 @@ double distance2(const World& w, const double* x, const double* y) {
   return image2(w, {x[0] - y[0], x[1] - y[1], x[2] - y[2]});
 }
 
+WallSet::Wraps wraps_of(const World& w, const double* x, const double* y) {
+  WallSet::Wraps n{};
+  for (int k = 0; k < 3; ++k) {
+    if (!w.scene.domain.periodic(k)) continue;
+    const double d = x[k] - y[k];
+    n[static_cast<std::size_t>(k)] = d > 0.5 * w.size[k] ? 1 : (d < -0.5 * w.size[k] ? -1 : 0);
+  }
+  return n;
+}
+
 double used2(const World& w, Row i) {
   const double *x = w.p.data() + 4L * i, *ref = w.x0.data() + 4L * i;
   if (!w.skin.drifts()) return distance2(w, x, ref);

@@ -6,6 +6,7 @@
 
 #include "core/skin.hpp"
 #include "core/types.hpp"
+#include "core/walls.hpp"
 
 namespace talus {
 
@@ -68,6 +69,8 @@ bool lists_expired(const World& w);     ///< by displacements, not by anything t
 double used2(const World& w, Row i);
 /// |x - y|^2 by minimum image [m2].
 double distance2(const World& w, const double* x, const double* y);
+/// By how many periods a particle at x was wrapped since it was at y.
+WallSet::Wraps wraps_of(const World& w, const double* x, const double* y);
 /// How far a row may drift in the life of the lists [m], which walls have to allow for.
 double drift_reach(const World& w, Row i);
 

@@ -132,7 +132,7 @@ struct Chunk {
   Column<std::int32_t> wall_row;    ///< rows with candidates, ascending
   Column<std::int32_t> wall_begin;  ///< [rows + 1] into wall_element
   std::vector<double> wall_radius;  ///< only with adhesion: R_C of each row towards a wall [m]
-  std::vector<std::int32_t> wall_element;
+  std::vector<std::int32_t> wall_element;  ///< candidates of WallSet, images included
   std::vector<float> wall_distance;   ///< lower bound of each element's distance when the list was made [m]
   std::vector<float> wall_nearest;    ///< least wall_distance of each row [m]
   std::vector<WallState> wall_state;  ///< contacts of the last step, ascending (row, wall, element)

@@ -20,7 +20,7 @@ WallContact contact(std::int32_t wall, std::int32_t element, Vec3 normal) {
 
 std::vector<std::int32_t> matched(const std::vector<WallContact>& before, const std::vector<WallContact>& now) {
   std::vector<std::int32_t> from(now.size());
-  WallSet::match(before, now, from.data());
+  WallSet().match(before, now, from.data());
   return from;
 }
 
@@ -84,7 +84,7 @@ TEST_P(WallHistoryDrag, TenThousandEdgeCrossingsUnderFrictionEqualThePlane) {
     ASSERT_EQ(a.size(), 1u);
     ASSERT_EQ(b.size(), 1u);
     from.assign(1, -1);
-    WallSet::match(before_mesh, a, from.data());
+    mesh.match(before_mesh, a, from.data());
     if (from[0] < 0) {
       ASSERT_TRUE(before_mesh.empty()) << "history lost at crossing " << crossings;
       on_mesh.stretch = {};

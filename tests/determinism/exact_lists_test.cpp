@@ -211,6 +211,25 @@ TEST_P(Lists, HoldWallElementsBeyondAPeriodicBorder) {
   EXPECT_GT(c.wall_contacts, 0);
 }
 
+// The same for walls that move through the sides themselves.
+TEST_P(Lists, HoldImagesOfWallsThatMoveThroughTheSides) {
+  Scene s = crossing_walls();
+  s.list.policy = GetParam();
+  s.list.verlet_k = 400;
+  s.list.automatic = false;
+  RunOptions options;
+  options.threads = 1;
+  options.audit = true;
+  Simulation sim(s, options);
+  std::int64_t contacts = 0;
+  for (int part = 0; part < 5; ++part) {
+    sim.run(100);
+    contacts += sim.counters().wall_contacts;
+  }
+  EXPECT_EQ(sim.counters().missed_contacts, 0);
+  EXPECT_GT(contacts, 40);
+}
+
 std::string policy_name(const testing::TestParamInfo<ListPolicy>& info) { return policy_text(info.param).name; }
 
 INSTANTIATE_TEST_SUITE_P(Policies, Lists, testing::ValuesIn(exact_policies()), policy_name);

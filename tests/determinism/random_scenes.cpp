@@ -55,6 +55,38 @@ void add_motion(WallSpec& w, Draw& draw, Vec3 centre, double size, double speed,
   if (draw.chance(0.15)) w.vanish = draw.real(0.3, 0.9) * duration;
 }
 
+/// Makes a plane its own image along all periodic axes: a box where there are three of them.
+void fit_plane(WallSpec& w, const Domain& d, Vec3 centre, double half) {
+  int open = -1, periodic = 0;
+  for (int k = 0; k < 3; ++k)
+    if (d.periodic(k)) {
+      w.normal[k] = 0;
+      w.motion.rotation_axis = Vec3{};
+      w.motion.rotation_axis[k] = 1;
+      ++periodic;
+    } else {
+      open = k;
+    }
+  if (periodic > 1) w.motion.rotation_rate = 0;
+  if (open < 0) {
+    w.shape = WallShape::box;
+    w.lower = centre - Vec3{half, half, half};
+    w.upper = centre + Vec3{half, half, half};
+  } else if (d.periodic(2)) {
+    w.normal[open] = 1;  // through the lower corner, where the domain ends
+    w.point[open] = d.lower[open];
+  }
+}
+
+/// Moves a wall along the periodic axes: it crosses a side, or lies beyond it.
+void shift_wall(WallSpec& w, const Domain& d, Draw draw) {
+  for (int k = 0; k < 2; ++k) {
+    if (!d.periodic(k)) continue;
+    const double by = draw.real(-1.5, 1.5) * (d.upper[k] - d.lower[k]);
+    for (Vec3* at : {&w.point, &w.lower, &w.upper, &w.shift, &w.motion.rotation_origin}) (*at)[k] += by;
+  }
+}
+
 /// Obstacles in the lowest third of the domain; no source fills it.
 void add_walls(RandomScene& r, Draw& draw, double duration) {
   Scene& s = r.scene;
@@ -87,7 +119,7 @@ void add_walls(RandomScene& r, Draw& draw, double duration) {
         if (w.shape == WallShape::cone) w.radius_end = draw.real(0.1, 1) * half;
         break;
       default:
-        // A surface that covers the floor and continues beyond every side, also across periodic borders.
+        // A surface that covers the floor and continues beyond every side; its images overlap it.
         w.shape = WallShape::mesh;
         w.file = bumpy_mesh(3 + draw.below(6), 0.05);
         w.scale = 1.3 * fmax2(size.x, size.y);
@@ -95,6 +127,8 @@ void add_walls(RandomScene& r, Draw& draw, double duration) {
         r.mesh = true;
     }
     add_motion(w, draw, centre, fmax2(size.x, size.y), r.speed, duration);
+    if (w.shape == WallShape::plane) fit_plane(w, s.domain, centre, half);
+    shift_wall(w, s.domain, Draw(70 + static_cast<std::uint64_t>(k), static_cast<int>(s.seed)));
     r.moving_walls = r.moving_walls || w.motion.any();
     s.walls.push_back(w);
   }

@@ -286,6 +286,61 @@ Scene cohesive_pile() {
   return s;
 }
 
+Scene crossing_walls() {
+  Scene s = linear_scene("crossing walls");
+  s.domain.lower = {0.1, 0, -0.2};
+  s.domain.upper = {0.13, 0.024, -0.17};
+  for (int k = 0; k < 3; ++k) set_boundary(s, k, Boundary::periodic, Boundary::periodic);
+  s.gravity = {0, 0, -9.81};
+  s.contact.rolling = Rolling::epsd;
+  s.allow_unstable_step = true;
+  s.contact.normal_stiffness = 1500;
+  s.pairs[0].rolling_friction = 0.1;
+  s.pairs[0].rolling_damping = 0.3;
+  Source fill = source(Source::Kind::lattice, "fill", {0.1, 0, -0.193}, {0.13, 0.024, -0.177}, 1.6e-3, 2e-3);
+  fill.spacing = 1.15;
+  fill.number = 750;
+  fill.velocity = {0, 0, -1};
+  fill.velocity_jitter = 0.6;
+  s.sources = {fill};
+  // Ends in the side, and goes round twice. The walls keep a grain's diameter apart: nothing is crushed between them.
+  WallSpec belt;
+  belt.name = "belt";
+  belt.shape = WallShape::box;
+  belt.lower = {0.119, 0.0105, -0.1975};
+  belt.upper = {0.13, 0.015, -0.195};
+  belt.motion.velocity = {1.2, 0, 0};
+  // Its middle is a corner of the domain.
+  WallSpec paddle;
+  paddle.name = "paddle";
+  paddle.shape = WallShape::box;
+  paddle.lower = {0.098, -0.006, -0.2045};
+  paddle.upper = {0.102, 0.006, -0.1955};
+  paddle.motion.rotation_axis = {1, 2, 1};
+  paddle.motion.rotation_rate = 50;
+  paddle.motion.rotation_origin = {0.1, 0, -0.2};
+  // Crosses one side along its axis and another one with its lateral surface.
+  WallSpec bar;
+  bar.name = "bar";
+  bar.shape = WallShape::cone;
+  bar.point = {0.111, 0.015, -0.1712};
+  bar.axis = {0, 1, 0};
+  bar.length = 0.016;
+  bar.radius = 0.0015;
+  bar.radius_end = 0.001;
+  bar.motion.amplitude = {0, 5e-4, 3e-4};
+  bar.motion.frequency = 90;
+  // As wide as the period in y, and beyond it in x.
+  WallSpec floor;
+  floor.name = "floor";
+  floor.shape = WallShape::mesh;
+  floor.file = bumpy_mesh(4, 0.04);
+  floor.scale = 0.024;
+  floor.shift = {0.114, 0, -0.1745};
+  s.walls = {belt, paddle, bar, floor};
+  return s;
+}
+
 const std::vector<NamedScene>& scenes() {
   static const std::vector<NamedScene> all = {{"hopper", hopper},
                                               {"sheared_bed", sheared_bed},
@@ -293,7 +348,8 @@ const std::vector<NamedScene>& scenes() {
                                               {"pile_on_mesh", pile_on_mesh},
                                               {"hertz_drum", hertz_drum},
                                               {"sticky_drum", sticky_drum},
-                                              {"cohesive_pile", cohesive_pile}};
+                                              {"cohesive_pile", cohesive_pile},
+                                              {"crossing_walls", crossing_walls}};
   return all;
 }
 

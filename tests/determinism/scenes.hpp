@@ -20,9 +20,10 @@ Scene hopper();        ///< cylinder and cone, moving gate, stream of grains, op
 Scene sheared_bed();   ///< periodic in x and y, frozen bottom, driven top; linear law with friction
 Scene gas();           ///< periodic in all directions, frictionless, elastic
 Scene pile_on_mesh();  ///< diameters 1:4 falling on a bumpy, rocking mesh, periodic in y; energies on
-Scene hertz_drum();
-Scene sticky_drum();
-Scene cohesive_pile();    ///< Hertz-Mindlin, two materials, rotating drum, vibrating plane
+Scene hertz_drum();      ///< Hertz-Mindlin, two materials, rotating drum, vibrating plane
+Scene sticky_drum();     ///< the same with JKR necks, rolling and twisting springs
+Scene cohesive_pile();   ///< the pile with attraction and constant rolling moments
+Scene crossing_walls();  ///< periodic in all directions; walls that move, turn and shake across the sides; rolling
 
 struct NamedScene {
   const char* name;
@@ -30,7 +31,7 @@ struct NamedScene {
 };
 /// Names the scene in test listings; the default print would show addresses, which differ from build to build.
 inline void PrintTo(const NamedScene& s, std::ostream* out) { *out << s.name; }
-/// The five scenes above.
+/// The scenes above.
 const std::vector<NamedScene>& scenes();
 
 /// Writes `bytes` to a file in this process's own temporary folder (removed at exit) and returns its path.

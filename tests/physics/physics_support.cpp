@@ -24,9 +24,7 @@ class TempFolder {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
   }
-  std::string next(const char* extension) {
-    return (path_ / fmt::format("file-{}.{}", count_++, extension)).string();
-  }
+  std::string next(const char* extension) { return (path_ / fmt::format("file-{}.{}", count_++, extension)).string(); }
 
  private:
   std::filesystem::path path_;
@@ -101,6 +99,18 @@ WallSpec plane(const std::string& name, Vec3 point, Vec3 normal, int material) {
   w.normal = normal;
   w.material = material;
   return w;
+}
+
+std::string mesh_file(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& facets) {
+  std::string text;
+  for (const Vec3 p : points) text += fmt::format("v {:.17g} {:.17g} {:.17g}\n", p.x, p.y, p.z);
+  for (const auto& f : facets) text += fmt::format("f {} {} {}\n", f[0] + 1, f[1] + 1, f[2] + 1);
+  const std::string path = folder().next("obj");
+  std::FILE* out = std::fopen(path.c_str(), "w");
+  if (out == nullptr) throw std::runtime_error("cannot write " + path);
+  fmt::print(out, "{}", text);
+  std::fclose(out);
+  return path;
 }
 
 std::string flat_mesh(double x0, double x1, double y0, double y1, int nx, int ny) {

@@ -3,6 +3,7 @@
 // are written with 17 digits (bits survive the file); temporary files vanish with the process.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,9 @@ WallSpec plane(const std::string& name, Vec3 point, Vec3 normal, int material = 
 
 /// OBJ file of a flat floor z = 0 of nx by ny squares, two triangles each; returns its path.
 std::string flat_mesh(double x0, double x1, double y0, double y1, int nx, int ny);
+
+/// OBJ file of the given points and facets (from 0); returns its path.
+std::string mesh_file(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& facets);
 
 double sphere_mass(double density, double r);
 /// One thread and the default instruction set: these scenes are small.
