@@ -21,7 +21,8 @@ namespace {
 
 constexpr int k_random_attempts = 5000;  ///< random sequential packing stalls near a solid fraction of 0.36
 constexpr int k_stream_attempts = 200;
-constexpr int k_misses = 200;  ///< tries outside the region or in a wall for each that counts
+constexpr int k_misses = 200;        ///< tries outside the region or in a wall for each that counts
+constexpr int k_stream_misses = 20;  ///< the same for streams: a blocked one must not slow down a run
 enum Purpose : std::uint64_t { k_size, k_position, k_velocity, k_purposes };
 
 /// Into the domain through its periodic sides, where a region reaches beyond them.
@@ -250,7 +251,7 @@ void Insertion::fill_stream(std::size_t s, Site& site, NewParticles& out) {
     if (state.carry < price * (1 - 1e-9)) return;  // the rate does not owe it yet; rounding is forgiven
     Vec3 x;
     Site::Answer answer = Site::Answer::taken;
-    int misses = k_misses * k_stream_attempts;
+    int misses = k_stream_misses * k_stream_attempts;
     for (int attempt = 0; attempt < k_stream_attempts && misses > 0 && answer != Site::Answer::free;) {
       x = site.draw(rng, draw, r);
       answer = site.ask(x, r);

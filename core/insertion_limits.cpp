@@ -89,10 +89,11 @@ double Insertion::check_numbers(std::size_t s) const {
   const double each = mean_volume(samplers_[s]), room = volume(source.region);
   const double density = scene_.materials[static_cast<std::size_t>(source.material)].density;
   const auto refuse = [&](const std::string& asked, const std::string& fits) {
-    throw Error(ErrorCode::scene, fmt::format("{}, the region holds {}", asked, fits),
-                fmt::format("source '{}'", source.name), "ask for fewer, or enlarge the region");
+    throw Error(ErrorCode::scene, fmt::format("{}, {}", asked, fits), fmt::format("source '{}'", source.name),
+                "ask for fewer, or enlarge the region");
   };
-  const std::string at_random = fmt::format("about {} at random", count_text(k_random * room / each));
+  const std::string at_random =
+      fmt::format("about {} fit into the region at random", count_text(k_random * room / each));
   double wanted = k_never;
   if (source.number > 0) wanted = static_cast<double>(source.number);
   if (source.mass > 0) wanted = fmin2(wanted, source.mass / density / each);
@@ -106,7 +107,7 @@ double Insertion::check_numbers(std::size_t s) const {
         fmin2(lattice_sites(scene_.domain, source), fmax2(k_many, 1.5 * room / sphere(source.size.largest())));
     // sizes drawn for a mass scatter about their mean
     if (wanted < k_never && wanted > (source.mass > 0 ? 1.2 * sites + 10 : sites))
-      refuse(asked, fmt::format("at most {} on this lattice", count_text(sites)));
+      refuse(asked, fmt::format("at most {} fit on this lattice", count_text(sites)));
     return fmin2(wanted, sites);
   }
   if (source.kind == Source::Kind::random) {

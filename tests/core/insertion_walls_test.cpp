@@ -488,21 +488,23 @@ TEST(InsertionLimits, ImpossibleNumbersAreRefusedBeforeAnythingIsDrawn) {
   Scene s = open_scene({});
   s.sources = {pack(s, Source::Kind::random, 0.04, 100000000)};
   const auto said = [&] { return refusal([&] { Insertion{s}; }); };
-  EXPECT_CONTAINS(said(), "source 'pack': 100000000 particles are asked for, the region holds about 11340 at random");
+  EXPECT_CONTAINS(said(),
+                  "source 'pack': 100000000 particles are asked for, about 11340 fit into the region at random");
   s.sources[0].number = 1000000000000;
-  EXPECT_CONTAINS(said(), "1000000000000 particles are asked for, the region holds about 11340 at random");
+  EXPECT_CONTAINS(said(), "1000000000000 particles are asked for, about 11340 fit into the region at random");
   s.sources[0].number = 0;
   s.sources[0].mass = 1e9;
-  EXPECT_CONTAINS(said(), "1e+09 kg are asked for, about 1.19e+10 particles, the region holds about 11340 at random");
+  EXPECT_CONTAINS(said(),
+                  "1e+09 kg are asked for, about 1.19e+10 particles, about 11340 fit into the region at random");
   s.sources[0].mass = 0;
   s.sources[0].kind = Source::Kind::lattice;
   s.sources[0].number = 1000000000000;
   s.sources[0].lattice = Source::Lattice::cubic;
-  EXPECT_CONTAINS(said(), "the region holds at most 12167 on this lattice");  // 23 cells of 0.042 per side
+  EXPECT_CONTAINS(said(), "at most 12167 fit on this lattice");  // 23 cells of 0.042 per side
   s.sources[0].kind = Source::Kind::stream;
   s.sources[0].interval = 0.1;
   s.sources[0].number_rate = 1e12;
-  EXPECT_CONTAINS(said(), "1e+11 particles are due in every interval, the region holds about 11340 at random");
+  EXPECT_CONTAINS(said(), "1e+11 particles are due in every interval, about 11340 fit into the region at random");
 }
 
 TEST(InsertionLimits, MemoryIsJudgedBeforeItIsTaken) {
