@@ -8,6 +8,7 @@
 
 #include "cases/cli.hpp"
 #include "cases/cli_check_cost.hpp"
+#include "cases/cli_console.hpp"
 #include "cases/cli_json.hpp"
 #include "cases/cli_timestep.hpp"
 #include "cases/progress.hpp"
@@ -163,27 +164,26 @@ int check(const Options& options) {
     for (const Warning& w : simulation.warnings()) j.add("", w.text);
     for (const std::string& note : later) j.add("", note);
     j.end_array();
-    fmt::print("{}\n", j.end_object().text());
+    put("{}\n", j.end_object().text());
     return 0;
   }
-  fmt::print("{}{}{}\n", scene.file, scene.title.empty() ? "" : ": ", scene.title);
-  fmt::print("  particles   {} at step 0", grouped(present));
-  if (to_come > 0) fmt::print(", at most {} to come", grouped(to_come));
-  fmt::print("\n  duration    {} steps of {:.6g} s = {:.6g} s\n", grouped(scene.steps), scene.dt,
-             scene.dt * static_cast<double>(scene.steps));
-  fmt::print("  law         {}\n", plan.law);
-  fmt::print("  memory      about {} ({:.0f} B per particle; {} by the {})\n", human_bytes(memory),
-             plan.bytes_per_particle, human_bytes(room), left.by);
-  fmt::print("  time step\n{}", time_step_text(step));
-  fmt::print("  advice\n    time step  {}\n    stiffness  {}\n    verlet_k   {}\n", step_text(scene, advice.step),
-             soft_text(scene, advice.soft), k_text(scene, advice));
-  fmt::print("  run time    about {}\n", time_text(advice, plan.threads));
-  for (const Warning& w : simulation.warnings()) fmt::print(stderr, "talus: warning: {}\n", w.text);
-  for (const std::string& note : later) fmt::print(stderr, "talus: warning: {}\n", note);
-  if (!advice.cost.failure.empty())
-    fmt::print(stderr, "talus: warning: the run would end early: {}\n", advice.cost.failure);
-  if (!step.warning.empty()) fmt::print(stderr, "talus: warning: {}\n", step.warning);
-  fmt::print("{}: {}\n", scene.file, verdict);
+  put("{}{}{}\n", scene.file, scene.title.empty() ? "" : ": ", scene.title);
+  put("  particles   {} at step 0", grouped(present));
+  if (to_come > 0) put(", at most {} to come", grouped(to_come));
+  put("\n  duration    {} steps of {:.6g} s = {:.6g} s\n", grouped(scene.steps), scene.dt,
+      scene.dt * static_cast<double>(scene.steps));
+  put("  law         {}\n", plan.law);
+  put("  memory      about {} ({:.0f} B per particle; {} by the {})\n", human_bytes(memory), plan.bytes_per_particle,
+      human_bytes(room), left.by);
+  put("  time step\n{}", time_step_text(step));
+  put("  advice\n    time step  {}\n    stiffness  {}\n    verlet_k   {}\n", step_text(scene, advice.step),
+      soft_text(scene, advice.soft), k_text(scene, advice));
+  put("  run time    about {}\n", time_text(advice, plan.threads));
+  for (const Warning& w : simulation.warnings()) tell("talus: warning: {}\n", w.text);
+  for (const std::string& note : later) tell("talus: warning: {}\n", note);
+  if (!advice.cost.failure.empty()) tell("talus: warning: the run would end early: {}\n", advice.cost.failure);
+  if (!step.warning.empty()) tell("talus: warning: {}\n", step.warning);
+  put("{}: {}\n", scene.file, verdict);
   return 0;
 }
 

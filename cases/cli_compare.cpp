@@ -13,6 +13,7 @@
 
 #include "cases/cli.hpp"
 #include "cases/cli_compare_growth.hpp"
+#include "cases/cli_console.hpp"
 #include "cases/cli_folder.hpp"
 #include "cases/cli_json.hpp"
 #include "scheduler/simulation.hpp"
@@ -154,32 +155,30 @@ int compare(const Options& options) {
     }
     j.end_array();
     if (growth) add_growth(j, *growth);
-    fmt::print("{}\n", j.end_object().text());
+    put("{}\n", j.end_object().text());
     return equal ? 0 : 1;
   }
   for (const State* s : {&a, &b}) {
-    fmt::print("{}  step {}, {} particles, state hash {:016x}\n", s->path, s->frame.step, grouped(s->frame.id.size()),
-               s->hash);
+    put("{}  step {}, {} particles, state hash {:016x}\n", s->path, s->frame.step, grouped(s->frame.id.size()),
+        s->hash);
   }
   if (equal) {
-    fmt::print("equal, bit for bit{}\n",
-               growth ? fmt::format(" (and so are {} common frames)", growth->points.size()) : "");
+    put("equal, bit for bit{}\n", growth ? fmt::format(" (and so are {} common frames)", growth->points.size()) : "");
     return 0;
   }
-  if (a.frame.step != b.frame.step) fmt::print("the states are of different steps\n");
-  if (c.only_a + c.only_b > 0) fmt::print("only in the first: {}, only in the second: {}\n", c.only_a, c.only_b);
+  if (a.frame.step != b.frame.step) put("the states are of different steps\n");
+  if (c.only_a + c.only_b > 0) put("only in the first: {}, only in the second: {}\n", c.only_a, c.only_b);
   if (id >= 0) {
-    fmt::print("first difference: particle {}, {}\n", id, field);
+    put("first difference: particle {}, {}\n", id, field);
   } else if (a.hash != b.hash && a.frame.step == b.frame.step) {
-    fmt::print("particles are equal; the hidden state (contact history, sources) differs\n");
+    put("particles are equal; the hidden state (contact history, sources) differs\n");
   }
   for (const auto& f : c.fields) {
     if (f.count > 0) {
-      fmt::print("  {:<15} {} particles differ, at most {:.3e} (particle {})\n", f.name, grouped(f.count), f.largest,
-                 f.worst);
+      put("  {:<15} {} particles differ, at most {:.3e} (particle {})\n", f.name, grouped(f.count), f.largest, f.worst);
     }
   }
-  if (growth) fmt::print("{}", growth_text(*growth));
+  if (growth) put("{}", growth_text(*growth));
   return 1;
 }
 

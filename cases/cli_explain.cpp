@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "cases/cli.hpp"
+#include "cases/cli_console.hpp"
 #include "cases/cli_json.hpp"
 #include "cases/cli_timestep.hpp"
 #include "scheduler/simulation.hpp"
@@ -22,22 +23,22 @@ std::size_t width(const Rows& rows, std::size_t title, Cell cell) {
 
 void print_nodes(const Plan& plan) {
   const auto name = width(plan.nodes, 4, [](const auto& n) { return n.name; });
-  fmt::print("\nNodes of the step\n  {:<{}}  {:<4} {}\n", "node", name, "in?", "why; what it reads -> writes");
+  put("\nNodes of the step\n  {:<{}}  {:<4} {}\n", "node", name, "in?", "why; what it reads -> writes");
   for (const auto& n : plan.nodes) {
-    fmt::print("  {:<{}}  {:<4} {}\n", n.name, name, n.in ? "in" : "out", n.why);
+    put("  {:<{}}  {:<4} {}\n", n.name, name, n.in ? "in" : "out", n.why);
     if (n.in && !(n.reads.empty() && n.writes.empty())) {
-      fmt::print("  {:<{}}       {} -> {}\n", "", name, n.reads, n.writes);
+      put("  {:<{}}       {} -> {}\n", "", name, n.reads, n.writes);
     }
   }
 }
 
 void print_arrays(const Plan& plan) {
   const auto name = width(plan.arrays, 5, [](const auto& a) { return a.name; });
-  fmt::print("\nArrays\n  {:<{}}  {:<4} {:>12}  {}\n", "array", name, "in?", "B/particle", "why");
+  put("\nArrays\n  {:<{}}  {:<4} {:>12}  {}\n", "array", name, "in?", "B/particle", "why");
   for (const auto& a : plan.arrays) {
-    fmt::print("  {:<{}}  {:<4} {:>12.1f}  {}\n", a.name, name, a.in ? "in" : "out", a.bytes_per_particle, a.why);
+    put("  {:<{}}  {:<4} {:>12.1f}  {}\n", a.name, name, a.in ? "in" : "out", a.bytes_per_particle, a.why);
   }
-  fmt::print("  {:<{}}       {:>12.1f}  total\n", "", name, plan.bytes_per_particle);
+  put("  {:<{}}       {:>12.1f}  total\n", "", name, plan.bytes_per_particle);
 }
 
 std::string as_json(const Scene& scene, const Plan& plan, const Simulation& simulation, const TimeStepReport& step) {
@@ -70,20 +71,20 @@ int explain(const Options& options) {
   const Simulation simulation(scene, options.run);
   const Plan plan = simulation.plan();
   if (options.json) {
-    fmt::print("{}\n", as_json(scene, plan, simulation, step));
+    put("{}\n", as_json(scene, plan, simulation, step));
     return 0;
   }
-  fmt::print("{}{}{}\n", scene.file, scene.title.empty() ? "" : ": ", scene.title);
-  fmt::print("  particles at step 0   {}\n", grouped(simulation.particles()));
-  fmt::print("  contact law           {}\n", plan.law);
-  fmt::print("  list policy           {}, K = {}; {}\n", plan.policy,
+  put("{}{}{}\n", scene.file, scene.title.empty() ? "" : ": ", scene.title);
+  put("  particles at step 0   {}\n", grouped(simulation.particles()));
+  put("  contact law           {}\n", plan.law);
+  put("  list policy           {}, K = {}; {}\n", plan.policy,
              scene.list.automatic ? std::string("auto") : fmt::format("{}", scene.list.verlet_k), plan.guarantee);
-  fmt::print("  instruction set       {} ({})\n", plan.isa, plan.isa_why);
-  fmt::print("  threads, chunks       {} threads, {} chunks of {} particles\n", plan.threads, plan.chunks, plan.chunk);
+  put("  instruction set       {} ({})\n", plan.isa, plan.isa_why);
+  put("  threads, chunks       {} threads, {} chunks of {} particles\n", plan.threads, plan.chunks, plan.chunk);
   print_nodes(plan);
   print_arrays(plan);
-  fmt::print("\nGraph\n{}{}", plan.graph, plan.graph.empty() || plan.graph.back() == '\n' ? "" : "\n");
-  fmt::print("\nTime step\n{}", time_step_text(step));
+  put("\nGraph\n{}{}", plan.graph, plan.graph.empty() || plan.graph.back() == '\n' ? "" : "\n");
+  put("\nTime step\n{}", time_step_text(step));
   return 0;
 }
 

@@ -2,13 +2,14 @@
 #include <fmt/format.h>
 
 #include "cases/cli.hpp"
+#include "cases/cli_console.hpp"
 #include "core/io/scene_keys.hpp"
 
 namespace talus::cli {
 
 int help(const Options& options) {
   const std::string text = scene_help(options.key);
-  fmt::print("{}{}", text, text.empty() || text.back() == '\n' ? "" : "\n");
+  put("{}{}", text, text.empty() || text.back() == '\n' ? "" : "\n");
   return 0;
 }
 

@@ -4,9 +4,12 @@
 #include <filesystem>
 
 #include "cases/cli.hpp"
+#include "cases/cli_console.hpp"
 #include "cases/cli_folder.hpp"
 #include "cases/cli_json.hpp"
-#include "core/io/atomic_file.hpp"
+#include "core/io/series.hpp"
+#include "core/io/summary.hpp"
+#include "core/io/vtkhdf.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus::cli {
@@ -38,18 +41,25 @@ void checkpoint_info(const std::string& path, const Options& options) {
     j.add(name, static_cast<std::int64_t>(bytes));
   }
   j.end_object().end_object();
-  fmt::print("{}", options.json ? j.text() + "\n" : text);
+  put("{}", options.json ? j.text() + "\n" : text);
 }
 
 void folder_info(const std::string& path, const Options& options) {
   const RunFolder folder = RunFolder::open(path);
   const Scene scene = stored_scene(folder);
   const bool ended = fs::exists(folder.summary());
+  const std::string running = FolderLock::holder(path);
+  // What is damaged is said before anything is printed.
+  const std::string summary = ended ? read_summary_text(folder.summary()) : "";
+  if (fs::exists(folder.series()) && running.empty()) check_series(folder.series());
+  for (const std::int64_t step : folder.checkpoints()) CheckpointReader checked(folder.checkpoint(step));
+  if (fs::exists(folder.particles()) && running.empty()) VtkHdfReader checked(folder.particles());
   Json j;
   j.begin_object().add("folder", path).add("title", scene.title).add("has_summary", ended);
   if (!options.json) {
-    fmt::print("{}: run folder{}{}\n", path, scene.title.empty() ? "" : ", ", scene.title);
-    if (!ended) fmt::print("  no summary.json: the run is still going on, or was killed\n");
+    put("{}: run folder{}{}\n", path, scene.title.empty() ? "" : ", ", scene.title);
+    if (!running.empty()) put("  a run is writing here ({})\n", running);
+    if (!ended && running.empty()) put("  no summary.json: the run was killed, or has not begun\n");
   }
   j.begin_object("files");
   for (const auto& entry : fs::directory_iterator(path)) {
@@ -57,14 +67,14 @@ void folder_info(const std::string& path, const Options& options) {
     const auto size = static_cast<std::int64_t>(entry.file_size());
     j.add(entry.path().filename().string(), size);
     if (!options.json) {
-      fmt::print("  {:<32} {:>12}\n", entry.path().filename().string(), human_bytes(static_cast<double>(size)));
+      put("  {:<32} {:>12}\n", entry.path().filename().string(), human_bytes(static_cast<double>(size)));
     }
   }
   j.end_object().begin_array("checkpoint_steps");
   for (const std::int64_t step : folder.checkpoints()) j.add("", step);
   j.end_array().end_object();
-  if (options.json) fmt::print("{}\n", j.text());
-  if (!options.json && ended) fmt::print("summary.json:\n{}", read_file_text(folder.summary()));
+  if (options.json) put("{}\n", j.text());
+  if (!options.json && ended) put("summary.json:\n{}", summary);
 }
 }  // namespace
 
@@ -74,7 +84,7 @@ int info(const Options& options) {
     if (fs::is_directory(path)) {
       folder_info(path, options);
     } else if (fs::path(path).extension() == ".json") {
-      fmt::print("{}", read_file_text(path));
+      put("{}", read_summary_text(path));
     } else {
       checkpoint_info(path, options);
     }

@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <functional>
 #include <limits>
+#include <system_error>
+#include <utility>
 #include <vector>
 
+#include "cases/cli_console.hpp"
 #include "cases/cli_failure.hpp"
 #include "cases/cli_schedule.hpp"
 #include "core/averages.hpp"
@@ -22,6 +26,20 @@ bool walls_change(const Scene& scene) {
                      [](const WallSpec& w) { return w.motion.any() || w.appear > 0 || w.vanish < k_never; });
 }
 
+/// The writer that `open` makes: of a new file, or where it is resumed of the file there. One that cannot be continued
+/// is set aside: the trajectory goes on whatever happened to a picture of it.
+template <class Open>
+auto continued(const RunFolder& folder, const std::string& file, std::int64_t resume_step, Open open) {
+  if (resume_step < 0) return open(false);
+  try {
+    return open(true);
+  } catch (const CannotContinue& e) {
+    const std::string aside = folder.set_aside(file, resume_step);
+    tell("talus: warning: {}; it is now {}, and a new one begins\n", e.why(), aside);
+  }
+  return open(false);
+}
+
 /// One kind of picture (particles, walls, contacts) in the formats that the scene asks for.
 class FrameStream {
  public:
@@ -33,14 +51,18 @@ class FrameStream {
     const ParticleColumns columns = ParticleColumns::of(scene);
     const std::string file = folder.path(std::string(stem) + ".vtkhdf");
     if (scene.output.vtkhdf) {
-      hdf_ = resume_step < 0 ? VtkHdfWriter(file, columns, content)
-                             : VtkHdfWriter::resume(file, columns, content, resume_step);
+      hdf_ = continued(folder, file, resume_step, [&](bool resume) {
+        return resume ? VtkHdfWriter::resume(file, columns, content, resume_step)
+                      : VtkHdfWriter(file, columns, content);
+      });
       files_.push_back(file);
     }
     if (scene.output.vtp) {
-      pvd_ =
-          resume_step < 0 ? PvdCollection(folder.dir(), stem) : PvdCollection::resume(folder.dir(), stem, resume_step);
-      files_.push_back(folder.path(std::string(stem) + ".pvd"));
+      const std::string list = folder.path(std::string(stem) + ".pvd");
+      pvd_ = continued(folder, list, resume_step, [&](bool resume) {
+        return resume ? PvdCollection::resume(folder.dir(), stem, resume_step) : PvdCollection(folder.dir(), stem);
+      });
+      files_.push_back(list);
     }
   }
   void write(const Frame& frame) {
@@ -49,6 +71,10 @@ class FrameStream {
       write_vtp(pvd_->path(frame.step), poly_(frame), frame.time);
       pvd_->add(frame.step, frame.time);
     }
+  }
+  void check() const {
+    if (hdf_) hdf_->check();
+    if (pvd_) pvd_->check();
   }
   bool empty() const { return (!hdf_ || hdf_->last_step() < 0) && (!pvd_ || pvd_->last_step() < 0); }
   /// The .pvd where there is one: every ParaView reads it.
@@ -74,14 +100,26 @@ struct RunOutputs::Impl {
   std::int64_t start = 0;  ///< step that the run begins with
   bool resumed = false;
   std::int64_t checkpoint_step = -1;  ///< of the last checkpoint written or read
+  std::string record;                 ///< of the scene, as it stands in checkpoints
 
-  Impl(const RunFolder& f, const Scene& s, std::int64_t every)
+  Impl(const RunFolder& f, const Scene& s, std::int64_t every, std::string scene_record)
       : folder(f),
         scene(s),
         frames(s.output.particles_every, s.dt),
         rows(s.output.csv_every, s.dt),
         checkpoints(static_cast<double>(every), 1),
-        moving_walls(walls_change(s)) {}
+        moving_walls(walls_change(s)),
+        record(std::move(scene_record)) {}
+
+  void save(const Simulation& simulation, const std::string& path) const {
+    CheckpointWriter writer;
+    fill(simulation, writer);
+    writer.commit(path);
+  }
+  void fill(const Simulation& simulation, CheckpointWriter& writer) const {
+    simulation.save(writer);
+    writer.add_view("scene", record.data(), record.size());
+  }
 
   void write_frame(const Simulation& simulation) {
     FrameRequest request;
@@ -123,8 +161,8 @@ struct RunOutputs::Impl {
 };
 
 RunOutputs::RunOutputs(const RunFolder& folder, const Simulation& simulation, const CheckpointReader* checkpoint,
-                       bool append, std::int64_t checkpoint_every)
-    : impl_(std::make_unique<Impl>(folder, simulation.scene(), checkpoint_every)) {
+                       bool append, std::int64_t checkpoint_every, std::string record)
+    : impl_(std::make_unique<Impl>(folder, simulation.scene(), checkpoint_every, std::move(record))) {
   Impl& m = *impl_;
   const Scene& scene = m.scene;
   m.start = simulation.step();
@@ -147,15 +185,19 @@ RunOutputs::RunOutputs(const RunFolder& folder, const Simulation& simulation, co
     if (scene.output.contacts)
       m.contacts.emplace(folder, scene, "contacts", Content::contacts, contact_poly, resume_step);
     if (scene.output.grid.on) {
-      m.grid = resume_step < 0 ? PvdCollection(folder.dir(), "grid", "vti")
-                               : PvdCollection::resume(folder.dir(), "grid", resume_step, "vti");
+      m.grid = continued(folder, folder.path("grid.pvd"), resume_step, [&](bool resume) {
+        return resume ? PvdCollection::resume(folder.dir(), "grid", resume_step, "vti")
+                      : PvdCollection(folder.dir(), "grid", "vti");
+      });
     }
   }
   if (m.rows.on()) {
     m.row_needs_frame = !walls.empty() || !scene.output.regions.empty();
     const SeriesLayout layout = SeriesLayout::of(scene, walls);
-    m.series = resume_step < 0 ? SeriesWriter(folder.series(), layout)
-                               : SeriesWriter::resume(folder.series(), layout, resume_step);
+    m.series = continued(folder, folder.series(), resume_step, [&](bool resume) {
+      return resume ? SeriesWriter::resume(folder.series(), layout, resume_step)
+                    : SeriesWriter(folder.series(), layout);
+    });
     if (m.resumed) m.series->start_from(m.row_of(simulation, std::nullopt));
   }
 }
@@ -187,12 +229,25 @@ void RunOutputs::write(const Simulation& simulation) {
   if (m.checkpoints.due(step) && step > m.start) checkpoint(simulation);
 }
 
+void RunOutputs::check() const {
+  const Impl& m = *impl_;
+  for (const auto* stream : {&m.particles, &m.walls, &m.contacts})
+    if (*stream) (*stream)->check();
+  if (m.grid) m.grid->check();
+  if (m.series) m.series->check();
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(m.folder.scene(), ignored))
+    throw Error(ErrorCode::io, "was deleted during the run", m.folder.scene(),
+                "copy the scene back to this name: --resume needs it");
+}
+
 std::string RunOutputs::checkpoint(const Simulation& simulation) {
   Impl& m = *impl_;
   const std::int64_t step = simulation.step();
-  if (step != m.checkpoint_step || !m.resumed) {
+  std::error_code ignored;
+  if (step != m.checkpoint_step || !std::filesystem::exists(m.folder.checkpoint(step), ignored)) {
     CheckpointWriter writer;
-    simulation.save(writer);
+    m.fill(simulation, writer);
     m.folder.save_checkpoint(writer, step);
     m.checkpoint_step = step;
   }
@@ -202,9 +257,7 @@ std::string RunOutputs::checkpoint(const Simulation& simulation) {
 std::string RunOutputs::dump_failure(const Simulation& simulation) noexcept {
   const std::string path = impl_->folder.path("failed.tcp");
   try {
-    CheckpointWriter writer;
-    simulation.save(writer);
-    writer.commit(path);
+    impl_->save(simulation, path);
   } catch (...) {
     return {};
   }

@@ -16,14 +16,18 @@ namespace talus::cli {
 
 class RunOutputs {
  public:
-  /// `checkpoint`: what the run continues from, or nullptr. `append`: in its own folder. Error{io} names the file.
+  /// `checkpoint`: what the run continues from, or nullptr. `append`: in its own folder; files there that cannot be
+  /// continued (other columns, damaged) are set aside and said. `record`: of the scene, for the checkpoints. Error{io}
+  /// names the file.
   RunOutputs(const RunFolder& folder, const Simulation& simulation, const CheckpointReader* checkpoint, bool append,
-             std::int64_t checkpoint_every);
+             std::int64_t checkpoint_every, std::string record);
   ~RunOutputs();
   /// First step > `step` at which something is written, INT64_MAX if none.
   std::int64_t next_stop(std::int64_t step) const;
   /// Writes what is due at the present step; nothing that is there already.
   void write(const Simulation& simulation);
+  /// At the end: Error{io} if a file that this run wrote was deleted, replaced or truncated by others.
+  void check() const;
   /// Writes a checkpoint of the present step, drops all but the newest two; returns its path. Error{io}.
   std::string checkpoint(const Simulation& simulation);
   /// After a physical failure: the last state as failed.tcp, its particles as failed.vtp and those near the

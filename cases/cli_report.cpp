@@ -10,6 +10,10 @@
 #include <filesystem>
 
 #include "cases/cli.hpp"
+#include "core/io/run_folder.hpp"
+#include "core/io/series.hpp"
+#include "core/io/summary.hpp"
+#include "core/io/vtkhdf.hpp"
 #include "paths.hpp"
 
 extern char** environ;
@@ -29,6 +33,12 @@ int report(const Options& options) {
   if (!fs::exists(fs::path(folder) / "summary.json")) {
     throw Error(ErrorCode::io, "holds no summary.json, so it is not the folder of a finished run", folder);
   }
+  // The page names what it cannot show; what a run left damaged is an error, since its figures would be missing unseen.
+  const RunFolder run = RunFolder::open(folder);
+  read_summary_text(run.summary());
+  if (fs::exists(run.series())) check_series(run.series());
+  for (const std::int64_t step : run.checkpoints()) CheckpointReader checked(run.checkpoint(step));
+  if (fs::exists(run.particles())) VtkHdfReader checked(run.particles());
   const char* share = std::getenv("TALUS_SHARE");
   const std::string script = (fs::path(share != nullptr ? share : TALUS_SOURCE_DIR) / "perf" / "report.py").string();
   if (!fs::exists(script)) {
@@ -48,6 +58,8 @@ int report(const Options& options) {
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
+  const int io = static_cast<int>(ErrorCode::io);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == io) return io;  // it has said why
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     throw Error(ErrorCode::io, "the report script failed (its message is above)", folder);
   }

@@ -1,30 +1,48 @@
 // Signal flag; see cli_signal.hpp.
 #include "cases/cli_signal.hpp"
 
+#include <array>
 #include <csignal>
+#include <cstddef>
 
 namespace talus::cli {
 namespace {
-volatile std::sig_atomic_t g_signal = 0;
-struct sigaction g_former_int, g_former_term;
+volatile std::sig_atomic_t g_signal = 0, g_asked = 0;
+// SIGPIPE and SIGXFSZ come from the run's own writes, again with every further one.
+constexpr std::array k_signals{SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ};
+std::array<struct sigaction, k_signals.size()> g_former;
 
-void remember(int number) { g_signal = number; }
+void remember(int number) {
+  if (g_signal == 0) g_signal = number;
+  if (number == SIGPIPE || number == SIGXFSZ) return;
+  // Whoever asks twice does not want to wait for the checkpoint: the default action follows when the handler returns.
+  if (g_asked != 0) {
+    std::signal(number, SIG_DFL);
+    std::raise(number);
+  }
+  g_asked = 1;
+}
 }  // namespace
 
 SignalGuard::SignalGuard() {
-  g_signal = 0;
+  g_signal = g_asked = 0;
   struct sigaction action = {};
   action.sa_handler = remember;
-  sigemptyset(&action.sa_mask);
-  // SA_RESETHAND: whoever asks twice does not want to wait for the checkpoint.
-  action.sa_flags = SA_RESETHAND | SA_RESTART;
-  sigaction(SIGINT, &action, &g_former_int);
-  sigaction(SIGTERM, &action, &g_former_term);
+  action.sa_flags = SA_RESTART;
+  sigset_t ours;
+  sigemptyset(&ours);
+  for (std::size_t k = 0; k < k_signals.size(); ++k) {
+    sigaction(k_signals[k], nullptr, &g_former[k]);
+    sigaddset(&ours, k_signals[k]);
+    if (k_signals[k] == SIGHUP && g_former[k].sa_handler == SIG_IGN) continue;
+    sigaction(k_signals[k], &action, nullptr);
+  }
+  // A parent may have left them blocked: one that came meanwhile arrives here.
+  pthread_sigmask(SIG_UNBLOCK, &ours, nullptr);
 }
 
 SignalGuard::~SignalGuard() {
-  sigaction(SIGINT, &g_former_int, nullptr);
-  sigaction(SIGTERM, &g_former_term, nullptr);
+  for (std::size_t k = 0; k < k_signals.size(); ++k) sigaction(k_signals[k], &g_former[k], nullptr);
 }
 
 int SignalGuard::caught() const noexcept { return g_signal; }

@@ -1,17 +1,18 @@
-// Turns SIGINT and SIGTERM into a flag that the run loop reads between slices. Called by cli_run.cpp only.
-// Invariant: the handler only stores the number; a second signal of any kind ends the process at once.
+// Turns the signals that ask a run to end into a flag that the run loop reads between slices. Called by cli_run.cpp
+// only. Invariant: the handler only stores the number; a second signal from a user ends the process at once.
 #pragma once
 
 namespace talus::cli {
 
-/// Catches SIGINT and SIGTERM for its lifetime and restores the former handlers afterwards. One object at a time.
+/// Catches SIGINT, SIGTERM, SIGHUP (unless ignored, as by nohup), SIGPIPE and SIGXFSZ for its lifetime and restores the
+/// former handlers afterwards. One object at a time.
 class SignalGuard {
  public:
   SignalGuard();
   ~SignalGuard();
   SignalGuard(const SignalGuard&) = delete;
   SignalGuard& operator=(const SignalGuard&) = delete;
-  /// The signal that arrived, or 0.
+  /// The first signal that arrived, or 0.
   int caught() const noexcept;
 };
 

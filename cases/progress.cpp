@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "core/count.hpp"
 
@@ -42,12 +43,25 @@ void Progress::restart() {
   start_ = Clock::now();
   particle_steps_ = 0;
   drawn_ = -1;
-  mark_seconds_ = mark_work_ = next_seconds_ = next_work_ = 0;
-  mark_steps_ = next_steps_ = static_cast<double>(step_ - first_);
+  pace_ = Pace(static_cast<double>(step_ - first_));
 }
 
-double Progress::recent_rate(double now) const {
-  return now > mark_seconds_ ? (particle_steps_ - mark_work_) / (now - mark_seconds_) : 0;
+void Pace::note(double now, double steps, double work) {
+  if (now - next_.seconds > k_window_s) mark_ = std::exchange(next_, {now, steps, work});
+  now_ = {now, steps, work};
+}
+
+double Pace::steps_per_s() const {
+  return now_.seconds > mark_.seconds ? (now_.steps - mark_.steps) / (now_.seconds - mark_.seconds) : 0;
+}
+
+double Pace::work_per_s() const {
+  return now_.seconds > mark_.seconds ? (now_.work - mark_.work) / (now_.seconds - mark_.seconds) : 0;
+}
+
+double Pace::seconds_to(double steps) const {
+  const double rate = steps_per_s();
+  return rate > 0 ? std::max(0.0, steps - now_.steps) / rate : -1;
 }
 
 void Progress::update(std::int64_t step, double time, std::int64_t particles) {
@@ -55,42 +69,39 @@ void Progress::update(std::int64_t step, double time, std::int64_t particles) {
   particle_steps_ += static_cast<double>(step - step_) * static_cast<double>(particles);
   step_ = step;
   const double done = static_cast<double>(step - first_);
-  if (now - next_seconds_ > k_window_s) {
-    mark_seconds_ = next_seconds_, mark_steps_ = next_steps_, mark_work_ = next_work_;
-    next_seconds_ = now, next_steps_ = done, next_work_ = particle_steps_;
-  }
+  pace_.note(now, done, particle_steps_);
   if (style_ == Style::off) return;
 
   const double total = static_cast<double>(std::max<std::int64_t>(1, last_ - first_));
   const double share = done / total;
-  const double steps_per_s = now > mark_seconds_ ? (done - mark_steps_) / (now - mark_seconds_) : 0;
-  const std::string eta = steps_per_s > 0 ? duration_text((total - done) / steps_per_s) : "?";
+  const std::string eta = duration_text(pace_.seconds_to(total));
   const auto text = [&] {
     return fmt::format("{:5.1f} %  step {}/{}  t = {:.4g} s  {} particles  {}  ETA {}", 100 * share, step, last_, time,
-                       particles, rate_text(recent_rate(now)), eta);
+                       particles, rate_text(pace_.work_per_s()), eta);
   };
   if (style_ == Style::bar) {
     if (drawn_ >= 0 && now - drawn_ < k_redraw_s && step < last_) return;
     drawn_ = now;
     const int filled = std::clamp(static_cast<int>(share * k_bar_width), 0, k_bar_width);
     // ESC [K clears what a longer previous line left behind.
-    fmt::print(stream_, "\r[{}{}] {}\x1b[K", std::string(filled, '#'), std::string(k_bar_width - filled, '.'), text());
-    std::fflush(stream_);
+    show(fmt::format("\r[{}{}] {}\x1b[K", std::string(filled, '#'), std::string(k_bar_width - filled, '.'), text()));
     line_open_ = true;
   } else {
     const int tenths = static_cast<int>(10 * (step - first_) / std::max<std::int64_t>(1, last_ - first_));
     if (tenths <= tenths_) return;
     tenths_ = tenths;
-    fmt::print(stream_, "{}\n", text());
-    std::fflush(stream_);
+    show(text() + "\n");
   }
 }
 
+void Progress::show(const std::string& text) {
+  // A terminal that is gone must not end a run.
+  static_cast<void>(std::fwrite(text.data(), 1, text.size(), stream_));
+  static_cast<void>(std::fflush(stream_));
+}
+
 void Progress::finish() {
-  if (line_open_) {
-    fmt::print(stream_, "\n");
-    std::fflush(stream_);
-  }
+  if (line_open_) show("\n");
   line_open_ = false;
   style_ = Style::off;
 }

@@ -12,6 +12,23 @@ namespace talus::cli {
 /// "4.2 s", "3:07", "2:05:10"; "?" where nothing is known yet. [s]
 std::string duration_text(double seconds);
 
+/// Speed over the last 10 to 20 s, and what it says about the end: filling and flowing differ by a factor of several.
+class Pace {
+ public:
+  explicit Pace(double steps = 0) : mark_{0, steps, 0}, next_{0, steps, 0}, now_{0, steps, 0} {}
+  /// After `now` seconds, `steps` and `work` are done; none of them ever falls.
+  void note(double now, double steps, double work);
+  double steps_per_s() const;             ///< 0 where nothing is known yet
+  double work_per_s() const;              ///< the same
+  double seconds_to(double steps) const;  ///< until so many are done; -1 where nothing is known yet
+
+ private:
+  struct Point {
+    double seconds, steps, work;
+  };
+  Point mark_, next_, now_;  ///< older end of the window; becomes it next; newest
+};
+
 class Progress {
  public:
   enum class Style { off, bar, lines };
@@ -34,7 +51,7 @@ class Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
-  double recent_rate(double now) const;  ///< particle-steps/s over the last seconds
+  void show(const std::string& text);
 
   std::FILE* stream_;
   Style style_;
@@ -43,9 +60,7 @@ class Progress {
   double particle_steps_ = 0;
   double drawn_ = -1;  ///< time of the last drawing [s]
   int tenths_ = 0;     ///< 10 % marks already printed
-  // The ETA follows the recent speed: filling and flowing differ by a factor of several.
-  double mark_seconds_ = 0, mark_steps_ = 0, mark_work_ = 0;  ///< older end of the averaging window
-  double next_seconds_ = 0, next_steps_ = 0, next_work_ = 0;  ///< becomes the older end next
+  Pace pace_;
   bool line_open_ = false;
 };
 

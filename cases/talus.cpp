@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <new>
 
 #include "cases/cli.hpp"
+#include "cases/cli_console.hpp"
 
 namespace {
 using namespace talus;
@@ -61,8 +62,25 @@ void add_run_options(CLI::App& app, Options& o) {
   app.add_flag("--overwrite", o.overwrite, "replace the results of an earlier run in the same folder");
 }
 
+/// `talus help` and `talus help COMMAND`; false for everything else. Error{usage}.
+bool help_on_commands(const CLI::App& app, const Options& o) {
+  if (!app.got_subcommand("help") || o.topic == "scene") return false;
+  if (o.topic.empty()) {
+    cli::put_text(app.help());
+    return true;
+  }
+  const auto found = app.get_subcommands([&](const CLI::App* c) { return c->get_name() == o.topic; });
+  if (found.empty())
+    throw Error(ErrorCode::usage,
+                fmt::format("no help on '{}' (scene, or one of run, check, explain, info, compare, report)", o.topic));
+  cli::put_text(found.front()->help());
+  return true;
+}
+
+void say(const std::string& text) { cli::tell("talus: error: {}\n", text); }
+
 int guarded(const std::function<int()>& command) {
-  const auto say = [](const std::string& text) { fmt::print(stderr, "talus: error: {}\n", text); };
+  const int io = static_cast<int>(ErrorCode::io);
   try {
     return command();
   } catch (const Error& e) {
@@ -70,15 +88,32 @@ int guarded(const std::function<int()>& command) {
     return e.exit_code();
   } catch (const std::bad_alloc&) {
     say("out of memory (fewer particles, or a machine with more memory; `talus check SCENE` estimates the need)");
-    return static_cast<int>(ErrorCode::io);
+    return io;
+  } catch (const std::filesystem::filesystem_error& e) {
+    // Permission, a name that is too long, a loop of links, a disk that is gone: the system's reason, one line.
+    say(fmt::format("{}: cannot be accessed: {}", e.path1().string(), e.code().message()));
+    return io;
+  } catch (const std::system_error& e) {
+    say(fmt::format("the system refused: {}", e.code().message()));
+    return io;
   } catch (const std::exception& e) {
     say(fmt::format("internal error: {} (please report it with the scene)", e.what()));
     return 70;
   }
 }
+
+/// The exit code of a command whose text has to be out, too.
+int finished(int code) {
+  const int flushed = guarded([] {
+    cli::flush_output();
+    return 0;
+  });
+  return flushed != 0 && code <= 1 ? flushed : code;
+}
 }  // namespace
 
 int main(int argc, char** argv) {
+  cli::secure_descriptors();
   Options o;
   if (argc > 0) o.program = argv[0];
   CLI::App app{"Talus: discrete element method with a local Verlet buffer; the trajectory depends on the scene alone."};
@@ -131,22 +166,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     // --help and --version arrive here too, with code 0.
-    return app.exit(e) == 0 ? 0 : static_cast<int>(ErrorCode::usage);
+    return finished(app.exit(e) == 0 ? 0 : static_cast<int>(ErrorCode::usage));
   }
-  if (!o.topic.empty() && o.topic != "scene") {
-    const auto found = app.get_subcommands([&](const CLI::App* c) { return c->get_name() == o.topic; });
-    if (found.empty()) {
-      fmt::print(stderr,
-                 "talus: error: no help on '{}' (scene, or one of run, check, explain, info, compare, report)\n",
-                 o.topic);
-      return static_cast<int>(ErrorCode::usage);
-    }
-    fmt::print("{}", found.front()->help());
-    return 0;
-  }
-  if (app.got_subcommand("help") && o.topic.empty()) {
-    fmt::print("{}", app.help());
-    return 0;
-  }
-  return guarded([&] { return command(o); });
+  return finished(guarded([&] { return help_on_commands(app, o) ? 0 : command(o); }));
 }

@@ -7,6 +7,7 @@ the same folder gives the same page.
 """
 import argparse
 import base64
+import contextlib
 import csv
 import html
 import io
@@ -522,14 +523,26 @@ def main():
         return 5
     target = arguments.out or os.path.join(arguments.folder, "report.html")
     text = page(Run(arguments.folder))
+    # The mark of all scratch files of Talus (core/io/scratch.hpp); "x": nobody else's file is opened.
+    scratch = os.path.join(os.path.dirname(target), ".talus-" + os.urandom(8).hex())
     try:
-        with open(target + ".tmp", "w", encoding="utf-8") as f:
-            f.write(text)
-        os.replace(target + ".tmp", target)
+        try:
+            with open(scratch, "x", encoding="utf-8") as f:
+                f.write(text)
+            os.replace(scratch, target)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                os.unlink(scratch)
+            raise
     except OSError as error:
         print(f"error: {target}: cannot write: {error.strerror}", file=sys.stderr)
         return 5
-    print(target)
+    try:
+        print(target, flush=True)
+    except OSError as error:
+        print(f"error: standard output: cannot write: {error.strerror}", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # the interpreter flushes once more at its end
+        return 5
     return 0
 
 

@@ -192,23 +192,33 @@ std::vector<ContactEntry> read_contacts(const World& w, const CheckpointReader& 
   return out;
 }
 
-std::vector<WallEntry> read_walls(const World& w, const CheckpointReader& in) {
+/// `numbers`: what each wall of the checkpoint is now, -1: gone; empty: the same walls.
+std::vector<WallEntry> read_walls(const World& w, const CheckpointReader& in, const std::vector<int>& numbers) {
   std::vector<WallRecord> records;
   std::vector<Vec3> centres;
   std::vector<double> moments;
   in.read_array<WallRecord>("wall_contacts", records);
-  if (w.walls.has_images()) in.read_array<Vec3>("wall_centres", centres);
+  // Walls that are new at a resume may be the first with images; a grain in touch then has no former image to keep.
+  const bool images = w.walls.has_images() && in.has("wall_centres");
+  if (images) in.read_array<Vec3>("wall_centres", centres);
   if (w.has.moments) in.read_array<double>("wall_moments", moments);
   const auto columns = static_cast<std::size_t>(w.has.moment_columns);
-  if (moments.size() != records.size() * columns || (w.walls.has_images() && centres.size() != records.size()))
+  if (moments.size() != records.size() * columns || (images && centres.size() != records.size()))
     throw Error(ErrorCode::io, "wall contacts and their history do not fit together", in.path());
-  std::vector<WallEntry> out(records.size());
-  for (std::size_t k = 0; k < out.size(); ++k) {
+  std::vector<WallEntry> out;
+  for (std::size_t k = 0; k < records.size(); ++k) {
     const WallRecord& r = records[k];
-    out[k].row = r.row;
-    out[k].contact = {r.wall, r.element, r.normal, r.distance, r.velocity, centres.empty() ? Vec3{} : centres[k]};
-    std::copy_n(r.h, k_max_history, out[k].h);
-    std::copy_n(moments.begin() + static_cast<std::ptrdiff_t>(k * columns), columns, out[k].m);
+    WallEntry e;
+    e.row = r.row;
+    e.contact = {r.wall, r.element, r.normal, r.distance, r.velocity, centres.empty() ? Vec3{} : centres[k]};
+    std::copy_n(r.h, k_max_history, e.h);
+    std::copy_n(moments.begin() + static_cast<std::ptrdiff_t>(k * columns), columns, e.m);
+    if (!numbers.empty()) {
+      const auto before = static_cast<std::size_t>(r.wall);
+      e.contact.wall = before < numbers.size() ? numbers[before] : -1;
+      e.contact.element = -1;  // elements are numbered through all walls: the history passes on by the normal
+    }
+    if (numbers.empty() || e.contact.wall >= 0) out.push_back(e);
   }
   return out;
 }
@@ -232,7 +242,12 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options) : impl_(st
   make_chunks(w);
 }
 
-Simulation::Simulation(const Scene& scene, const RunOptions& options, const CheckpointReader& in)
+std::int64_t Simulation::step_of(const CheckpointReader& checkpoint) {
+  return checkpoint.read_value<Meta>("meta").step;
+}
+
+Simulation::Simulation(const Scene& scene, const RunOptions& options, const CheckpointReader& in,
+                       const std::vector<int>& walls)
     : impl_(std::make_unique<Impl>()) {
   World& w = impl_->w;
   w.insertion = std::make_unique<Insertion>(scene);
@@ -245,7 +260,6 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
       m.materials != static_cast<std::int64_t>(scene.materials.size()) || m.dt != scene.dt)
     throw Error(ErrorCode::io, "the checkpoint belongs to another scene (contact law, materials or time step differ)",
                 in.path());
-  w.has.fixed = in.has("fixed");
   set_particle_capacity(w, static_cast<Row>(m.n));
   const auto get = [&](const char* name, void* to, std::size_t bytes) {
     const auto s = in.section(name);
@@ -258,7 +272,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   get("velocity", w.v.data(), 8 * n * static_cast<std::size_t>(w.stride));
   get("id", w.id.data(), 8 * n);
   if (w.has.materials) get("material", w.material.data(), n);
-  if (w.has.fixed) get("fixed", w.fixed.data(), n);
+  if (in.has("fixed")) get("fixed", w.fixed.data(), n);  // an event that is new at a resume may be the first to need it
   if (w.has.groups) get("group", w.group.data(), 2 * n);
   w.p2 = w.p;
   w.v2 = w.v;
@@ -294,16 +308,16 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   w.chunk_of = ChunkMap(w.chunk_size);
   make_chunks(w);
   std::vector<ContactEntry> contacts = read_contacts(w, in);
-  std::vector<WallEntry> walls = read_walls(w, in);
+  std::vector<WallEntry> wall_entries = read_walls(w, in, walls);
   for (const ContactEntry& e : contacts)
     if (e.a < 0 || e.b < 0 || e.a >= w.n || e.b >= w.n)
       throw Error(ErrorCode::io, "a contact names a particle that does not exist", in.path());
-  for (const WallEntry& s : walls)
+  for (const WallEntry& s : wall_entries)
     if (s.row < 0 || s.row >= w.n || s.contact.wall >= w.walls.size())
       throw Error(ErrorCode::io, "a wall contact does not fit the scene", in.path());
   if (w.has.walls) w.walls.set_step(w.step, w.scene.dt);
   with_threads(w, [&] {
-    distribute_contacts(w, contacts, walls);
+    distribute_contacts(w, contacts, wall_entries);
     rebuild_tuned(w, false);
   });
   w.lists_valid = true;

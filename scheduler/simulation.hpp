@@ -108,8 +108,12 @@ class Simulation {
   /// Builds everything for step 0. Errors: Error{scene}, also for a time step above the packing limit that the scene
   /// does not allow (time_step_limits() in core/timestep.hpp); Error{physics}.
   Simulation(const Scene& scene, const RunOptions& options);
-  /// Continues from a checkpoint of the same scene (any threads, ISA, chunk, policy, K).
-  Simulation(const Scene& scene, const RunOptions& options, const CheckpointReader& checkpoint);
+  /// Continues from a checkpoint of the same scene (any threads, ISA, chunk, policy, K), or of one that differs where
+  /// core/io/scene_changes allows it. `walls`: as wall_numbers() there; empty: the same walls.
+  Simulation(const Scene& scene, const RunOptions& options, const CheckpointReader& checkpoint,
+             const std::vector<int>& walls = {});
+  /// Step of a checkpoint. Error{io}.
+  static std::int64_t step_of(const CheckpointReader& checkpoint);
   ~Simulation();
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;

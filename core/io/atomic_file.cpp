@@ -11,6 +11,7 @@
 
 #include "core/error.hpp"
 #include "core/io/input_file.hpp"
+#include "core/io/scratch.hpp"
 
 namespace talus {
 
@@ -36,12 +37,6 @@ std::string cure_for(int error) {
     default:
       return "what was written before is still valid";
   }
-}
-
-std::string folder_of(const std::string& path) {
-  const auto slash = path.rfind('/');
-  if (slash == std::string::npos) return ".";
-  return slash == 0 ? "/" : path.substr(0, slash);
 }
 
 template <class Call>
@@ -78,12 +73,11 @@ bool write_fully(int fd, const void* data, std::size_t n) {
   return true;
 }
 
-AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), temporary_(path_ + ".tmp") {
-  fd_ = retry([&] { return g_calls->open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666); });
+AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), temporary_(scratch_beside(path_)) {
+  fd_ = retry([&] { return g_calls->open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
   if (fd_ < 0) {
     const int error = errno;
-    throw Error(ErrorCode::io, std::string("cannot open for writing: ") + std::strerror(error), temporary_,
-                cure_for(error));
+    throw Error(ErrorCode::io, std::string("cannot open for writing: ") + std::strerror(error), path_, cure_for(error));
   }
 }
 

@@ -1,6 +1,6 @@
-// Durable replacement of a file: PATH.tmp -> write -> fsync -> rename -> fsync(directory). Who calls it: checkpoints,
-// .vtp/.pvd, summary.json, the run folder. Invariant: at every instant PATH is the whole old file or the whole new one;
-// after an error the old file is untouched and PATH.tmp is gone.
+// Durable replacement of a file: scratch file beside it -> write -> fsync -> rename -> fsync(directory). Who calls it:
+// checkpoints, .vtp/.pvd, summary.json, the run folder. Invariant: at every instant PATH is the whole old file or the
+// whole new one; after an error the old file is untouched and the scratch file is gone.
 #pragma once
 
 #include <sys/types.h>
@@ -42,7 +42,7 @@ class ScopedFileCalls {
 /// A file that appears under its name only by commit(); without commit() nothing remains.
 class AtomicFile {
  public:
-  /// Opens PATH.tmp. Error{io} names path and reason.
+  /// Opens a scratch file beside PATH. Error{io} names path and reason.
   explicit AtomicFile(std::string path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;

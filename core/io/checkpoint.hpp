@@ -1,6 +1,6 @@
 // Checkpoint container: named binary sections with one xxh3 checksum each. File layout, little endian:
 // magic "TALUSCP1", uint32 section count, then per section {uint16 name length, name, uint64 size, uint64 xxh3, bytes},
-// then xxh3 of everything before. Written as PATH.tmp -> fsync -> rename -> fsync(directory), so that a reader sees the
+// then xxh3 of everything before. Written as scratch file -> fsync -> rename -> fsync(directory), so that a reader sees the
 // old or the new file, never a torn one. Bytes hold no date, host, thread count or ISA (R2).
 #pragma once
 

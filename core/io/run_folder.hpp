@@ -1,14 +1,17 @@
-// RunFolder: the output folder of one run: creation, file names, the two newest checkpoints. Who calls it: cases/ (run,
-// resume, report). Invariants: the folder appears whole (scene copy included) or not at all; a folder with anything in
-// it is never written over unless asked, and never if it holds files that no run writes.
+// RunFolder: the output folder of one run: creation, lock, file names, the two newest checkpoints. Who calls it: cases/
+// (run, resume, report). Invariants: the folder appears whole (scene copy included) or not at all; a folder with
+// anything in it is never written over unless asked, and never if it is not marked as a run's or holds files that no
+// run writes; who writes into it holds its lock.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/io/checkpoint.hpp"
+#include "core/io/folder_lock.hpp"
 
 namespace talus {
 
@@ -18,8 +21,10 @@ class RunFolder {
   /// scene leaves nothing. Error{usage} if `dir` has content and `overwrite` is false, or has files that no run writes;
   /// Error{io} otherwise.
   static RunFolder create(const std::string& dir, const std::string& scene_text, bool overwrite = false);
-  /// The folder of an earlier run, for --resume and reports. Error{usage} if it is none (no scene.toml).
+  /// The folder of an earlier run, for reading. Error{usage} if it is none (no scene.toml).
   static RunFolder open(const std::string& dir);
+  /// The same, to write into: takes the lock and removes what a killed run left half written. Error{io}: locked.
+  static RunFolder resume(const std::string& dir);
   /// Checks what create() would refuse, without touching anything: call it before a long set-up.
   static void check(const std::string& dir, bool overwrite = false);
 
@@ -46,14 +51,20 @@ class RunFolder {
   };
   /// The newest undamaged checkpoint, or nothing if there is none. Error{io} if all are damaged.
   std::optional<Loaded> newest_checkpoint() const;
+  /// Path of the folder that no file has yet: NAME-until-STEP.EXT for what was written until a resume at STEP.
+  std::string name_aside(const std::string& path, std::int64_t step) const;
+  /// Gives a file that name, so that a new one can take its place; returns it. Error{io}.
+  std::string set_aside(const std::string& path, std::int64_t step) const;
   /// Removes what create() made (the folder with all content, or the scene copy in a folder that was there and empty):
   /// for an error found before anything of value was written. After open() it does nothing.
   void discard() noexcept;
 
  private:
   enum class Mine { nothing, scene_file, folder };  ///< what this object created and discard() may remove
-  explicit RunFolder(std::string dir, Mine mine) : dir_(std::move(dir)), mine_(mine) {}
+  RunFolder(std::string dir, Mine mine, std::shared_ptr<FolderLock> lock)
+      : dir_(std::move(dir)), lock_(std::move(lock)), mine_(mine) {}
   std::string dir_;
+  std::shared_ptr<FolderLock> lock_;  ///< of those that write
   Mine mine_ = Mine::nothing;
 };
 

@@ -548,11 +548,17 @@ Scene parse_scene(std::string_view text, std::string name, std::string directory
   return scene;
 }
 
-Scene load_scene(const std::string& path, const std::vector<std::string>& overrides) {
-  const std::string text =
-      read_input_text(path, {ErrorCode::scene, "scene file", k_most_bytes, "give the path of a TOML scene file"});
+std::string read_scene_file(const std::string& path) {
+  return read_input_text(path, {ErrorCode::scene, "scene file", k_most_bytes, "give the path of a TOML scene file"});
+}
+
+std::string scene_directory(const std::string& path) {
   const std::size_t slash = path.rfind('/');
-  Scene scene = parse_scene(text, path, slash == std::string::npos ? "." : path.substr(0, slash + 1), overrides);
+  return slash == std::string::npos ? "." : path.substr(0, slash + 1);
+}
+
+Scene load_scene(const std::string& path, const std::vector<std::string>& overrides) {
+  Scene scene = parse_scene(read_scene_file(path), path, scene_directory(path), overrides);
   load_regions(scene);
   return scene;
 }

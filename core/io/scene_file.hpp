@@ -16,6 +16,10 @@ namespace talus {
 /// takes the place of file:line:col. Files that the scene names are not opened here.
 Scene load_scene(const std::string& path, const std::vector<std::string>& overrides = {});
 
+/// The two parts of that: the text of a scene file, Error{scene}; the base of its relative paths.
+std::string read_scene_file(const std::string& path);
+std::string scene_directory(const std::string& path);
+
 /// The same from text; `name` stands for the file in messages, `directory` is the base of relative paths.
 Scene parse_scene(std::string_view text, std::string name, std::string directory,
                   const std::vector<std::string>& overrides = {});

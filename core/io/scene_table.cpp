@@ -542,4 +542,56 @@ std::vector<SceneTable> SceneTable::sections(std::string_view name) const {
   return list;
 }
 
+namespace {
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\')
+      (out += '\\') += c;
+    else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+    else
+      out += c;
+  }
+  return out + "\"";
+}
+
+/// A value of a key in normal form: numbers as the shortest text that reads back to the same double.
+std::string normal_text(const SceneKey& key, const toml::node& node) {
+  if (const toml::array* list = node.as_array()) {
+    std::string s;
+    for (const toml::node& entry : *list) s += (s.empty() ? "" : ", ") + normal_text(key, entry);
+    return "[" + s + "]";
+  }
+  if (node.is_string()) return quoted(node.as_string()->get());
+  if (node.is_boolean()) return node.as_boolean()->get() ? "true" : "false";
+  const bool whole = key.type == KeyType::integer || key.type == KeyType::cells || key.type == KeyType::id_range;
+  if (whole && node.is_integer()) return fmt::format("{}", node.as_integer()->get());
+  return fmt::format("{}", node.value<double>().value_or(0));
+}
+
+}  // namespace
+
+std::vector<SceneValue> SceneTable::values() const {
+  std::vector<SceneValue> all;
+  if (table_ == nullptr) return all;
+  for (const SceneKey& k : scene_keys()) {
+    if (k.section != section_ || !has(k.name)) continue;
+    all.push_back({child(k.name), section_, std::string(k.name), normal_text(k, *as_table(table_)->get(k.name))});
+  }
+  for (const SceneSection& s : scene_sections()) {
+    const std::size_t dot = s.name.rfind('.');
+    const std::string_view parent = dot == std::string_view::npos ? "" : s.name.substr(0, dot);
+    const std::string_view name = dot == std::string_view::npos ? s.name : s.name.substr(dot + 1);
+    if (s.name.empty() || parent != section_ || !has(name)) continue;
+    const std::vector<SceneTable> entries = s.repeated ? sections(name) : std::vector<SceneTable>{section(name)};
+    for (const SceneTable& entry : entries) {
+      const std::vector<SceneValue> below = entry.values();
+      all.insert(all.end(), below.begin(), below.end());
+    }
+  }
+  return all;
+}
+
 }  // namespace talus

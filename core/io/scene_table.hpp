@@ -15,11 +15,21 @@
 
 namespace talus {
 
+/// One key that a scene gives, with its value in normal form: equal values have equal texts.
+struct SceneValue {
+  std::string path;           ///< "wall.0.motion.velocity"
+  std::string section, name;  ///< "wall.motion", "velocity": its row in the key table
+  std::string value;          ///< TOML
+};
+
 class SceneTable {
  public:
   /// Parses `text` with the guards of the format (core/io/scene_text.hpp), applies the
   /// overrides and checks the top level. Error{scene} with file:line:col.
   static SceneTable parse(std::string_view text, const std::string& name, const std::vector<std::string>& overrides);
+
+  /// All keys that are given, here and in the sections below, in the order of the key table.
+  std::vector<SceneValue> values() const;
 
   bool has(std::string_view name) const;
   double number(std::string_view name) const;

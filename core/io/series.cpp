@@ -66,6 +66,17 @@ std::vector<std::string_view> split(std::string_view line) {
   }
 }
 
+/// Number of columns that a header names; commas within quotes belong to a name.
+std::size_t names_in(std::string_view header) {
+  std::size_t n = 1;
+  bool inside = false;
+  for (const char c : header) {
+    inside = inside != (c == '"');
+    if (c == ',' && !inside) ++n;
+  }
+  return n;
+}
+
 template <class T>
 bool parse(std::string_view s, T& out) {
   const auto r = std::from_chars(s.data(), s.data() + s.size(), out);
@@ -125,40 +136,23 @@ std::vector<std::string> SeriesLayout::columns() const {
   return c;
 }
 
-void SeriesWriter::open(int flags) {
-  fd_ = ::open(path_.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | flags, 0666);
-  if (fd_ < 0)
-    throw Error(ErrorCode::io, std::string("cannot open for writing: ") + std::strerror(errno), path_,
-                "choose a folder that you may write to");
-}
-
 SeriesWriter::SeriesWriter(const std::string& path, const SeriesLayout& layout) : path_(path), layout_(layout) {
   const std::string header = header_line(layout);
   write_file_atomic(path, header);
-  open(0);
+  file_ = WatchedFile(path);
   size_ = header.size();
 }
 
-SeriesWriter::~SeriesWriter() {
-  if (fd_ >= 0) ::close(fd_);
-}
-SeriesWriter::SeriesWriter(SeriesWriter&& o) noexcept { *this = std::move(o); }
-SeriesWriter& SeriesWriter::operator=(SeriesWriter&& o) noexcept {
-  std::swap(path_, o.path_);
-  std::swap(layout_, o.layout_);
-  std::swap(fd_, o.fd_);
-  std::swap(size_, o.size_);
-  std::swap(last_step_, o.last_step_);
-  std::swap(previous_, o.previous_);
-  return *this;
-}
+SeriesWriter::~SeriesWriter() = default;
+SeriesWriter::SeriesWriter(SeriesWriter&&) noexcept = default;
+SeriesWriter& SeriesWriter::operator=(SeriesWriter&&) noexcept = default;
+void SeriesWriter::check() const { file_.check(); }
 
 SeriesWriter SeriesWriter::resume(const std::string& path, const SeriesLayout& layout, std::int64_t last_step) {
   if (!std::filesystem::exists(path)) return SeriesWriter(path, layout);
   const std::string text = read_file_text(path), header = header_line(layout);
   if (text.compare(0, header.size(), header) != 0)
-    throw Error(ErrorCode::io, "has other columns than this run writes", path,
-                "resume with the scene that wrote it, or write to another folder");
+    throw CannotContinue("it has other columns than this run writes", path);
   const std::size_t columns = layout.columns().size();
   SeriesWriter w;
   w.path_ = path;
@@ -171,8 +165,7 @@ SeriesWriter SeriesWriter::resume(const std::string& path, const SeriesLayout& l
     const std::string_view line(text.data() + at, end - at);
     std::int64_t step = -1;
     if (split(line).size() != columns || !parse(line.substr(0, line.find(',')), step) || step <= w.last_step_)
-      throw Error(ErrorCode::io, fmt::format("row at byte {} is damaged", at), path,
-                  "delete the rows from there on, then resume");
+      throw CannotContinue(fmt::format("its row at byte {} is damaged", at), path);
     if (step > last_step) break;
     w.last_step_ = step;
     last = line;
@@ -197,9 +190,10 @@ SeriesWriter SeriesWriter::resume(const std::string& path, const SeriesLayout& l
           {static_cast<std::int64_t>(number("plane." + plane + ".particles")), 0, number("plane." + plane + ".mass")});
     w.previous_ = std::move(p);
   }
-  w.open(0);
-  if (::ftruncate(w.fd_, static_cast<off_t>(w.size_)) != 0)
+  w.file_ = WatchedFile(path);
+  if (::ftruncate(w.file_.fd(), static_cast<off_t>(w.size_)) != 0)
     throw Error(ErrorCode::io, std::string("cannot cut: ") + std::strerror(errno), path);
+  w.file_.mark();
   return w;
 }
 
@@ -264,17 +258,45 @@ void SeriesWriter::append(const SeriesRow& row) {
       for (double s : r.stress) line.add(s);
   }
   const std::string text = line.take();
-  if (!write_fully(fd_, text.data(), text.size())) {
+  file_.check();
+  if (!write_fully(file_.fd(), text.data(), text.size())) {
     const int error = errno;
     // Take back a part of a row, so that every reader finds whole rows; if even that fails, resume drops it.
-    const int cut = ::ftruncate(fd_, static_cast<off_t>(size_));
+    const int cut = ::ftruncate(file_.fd(), static_cast<off_t>(size_));
+    file_.mark();
     throw Error(ErrorCode::io,
                 std::string("cannot append a row: ") + std::strerror(error) + (cut == 0 ? "" : "; last row is torn"),
                 path_, "free some space; rows written before stay valid");
   }
+  file_.mark();
   size_ += text.size();
   last_step_ = row.step;
   previous_ = Previous{row.time, row.removed_mass, row.planes};
+}
+
+void check_series(const std::string& path) {
+  const std::string text = read_file_text(path);
+  const auto fail = [&](const std::string& what) {
+    throw Error(ErrorCode::io, "time series is damaged: " + what, path,
+                "delete the damaged rows, or resume the run from a checkpoint");
+  };
+  const std::size_t header = text.find('\n');
+  if (header == std::string::npos || !text.starts_with("step,time,"))
+    fail("it does not begin with the names of its columns");
+  const std::size_t columns = names_in(std::string_view(text).substr(0, header));
+  std::int64_t last = -1;
+  for (std::size_t at = header + 1; at < text.size();) {
+    const std::size_t end = text.find('\n', at);
+    if (end == std::string::npos) fail(fmt::format("the row at byte {} is cut off", at));
+    const auto values = split(std::string_view(text).substr(at, end - at));
+    std::int64_t step = -1;
+    bool good = values.size() == columns && parse(values[0], step) && step > last;
+    double number = 0;
+    for (const std::string_view v : values) good = good && parse(v, number);
+    if (!good) fail(fmt::format("the row at byte {}", at));
+    last = step;
+    at = end + 1;
+  }
 }
 
 }  // namespace talus

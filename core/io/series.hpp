@@ -19,6 +19,7 @@
 
 #include "core/averages.hpp"
 #include "core/frame.hpp"
+#include "core/io/watched_file.hpp"
 #include "core/plane_count.hpp"
 
 namespace talus {
@@ -54,32 +55,36 @@ class SeriesWriter {
   /// Creates the file with its header. Error{io}.
   SeriesWriter(const std::string& path, const SeriesLayout& layout);
   /// Opens an existing file, drops rows later than `last_step` and a torn last row. A missing file is created.
-  /// Error{io}: other columns, or rows that cannot be read.
+  /// CannotContinue: other columns, or rows that cannot be read. Error{io}.
   static SeriesWriter resume(const std::string& path, const SeriesLayout& layout, std::int64_t last_step);
   ~SeriesWriter();
   SeriesWriter(SeriesWriter&&) noexcept;
   SeriesWriter& operator=(SeriesWriter&&) noexcept;
 
-  /// Appends one row. Error{io}: sizes that do not fit, a step not after last_step(), or a write failure (the file then
-  /// still ends with the row before).
+  /// Appends one row. Error{io}: sizes that do not fit, a step not after last_step(), the file was deleted or changed by
+  /// others, or a write failure (the file then still ends with the row before).
   void append(const SeriesRow& row);
   /// Of a run that goes on from a checkpoint without the rows before: the means of the first row count from here.
   void start_from(const SeriesRow& row);
+  void check() const;  ///< Error{io} if the file was deleted, replaced or changed by others
   std::int64_t last_step() const noexcept { return last_step_; }  ///< -1 if there is no row
 
  private:
   SeriesWriter() = default;
-  void open(int flags);
   struct Previous {
     double time = 0, removed_mass = 0;
     std::vector<PlaneTotal> planes;
   };
   std::string path_;
   SeriesLayout layout_;
-  int fd_ = -1;
+  WatchedFile file_;
   std::uint64_t size_ = 0;  ///< bytes of whole rows
   std::int64_t last_step_ = -1;
   std::optional<Previous> previous_;
 };
+
+/// Error{io} if a series is damaged: no header, a row with another number of entries, an entry that is no number, a
+/// step that does not come after the one before, a last row that is cut off.
+void check_series(const std::string& path);
 
 }  // namespace talus

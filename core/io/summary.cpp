@@ -6,7 +6,9 @@
 
 #include <cmath>
 
+#include "core/error.hpp"
 #include "core/io/atomic_file.hpp"
+#include "core/io/json_text.hpp"
 #include "core/text.hpp"
 
 namespace talus {
@@ -141,6 +143,17 @@ std::string summary_json(const Summary& s) {
 }
 
 void write_summary(const std::string& path, const Summary& summary) { write_file_atomic(path, summary_json(summary)); }
+
+std::string read_summary_text(const std::string& path) {
+  std::string text = read_file_text(path);
+  if (const auto at = json_error(text))
+    throw Error(ErrorCode::io, fmt::format("summary is truncated or damaged at byte {} of {}", *at, text.size()), path,
+                "the checkpoints of the run are unaffected");
+  // The first and the last key that every summary has.
+  if (text.find("\"title\":") == std::string::npos || text.find("\"state_hash\":") == std::string::npos)
+    throw Error(ErrorCode::io, "is not the summary of a run", path, "give the summary.json that `talus run` wrote");
+  return text;
+}
 
 std::int64_t peak_rss_bytes() {
   rusage u{};

@@ -70,6 +70,8 @@ struct Summary {
 std::string summary_json(const Summary& summary);
 /// Writes PATH atomically. Error{io}.
 void write_summary(const std::string& path, const Summary& summary);
+/// Text of a summary file. Error{io}: unreadable, truncated or damaged, or not the summary of a run.
+std::string read_summary_text(const std::string& path);
 /// A JSON string literal of any bytes: control characters escaped, invalid UTF-8 replaced by U+FFFD.
 std::string json_string(const std::string& text);
 /// Largest resident memory of this process so far [bytes].

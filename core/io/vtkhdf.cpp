@@ -7,14 +7,21 @@
 // counts agree.
 #include "core/io/vtkhdf.hpp"
 
+#include <fcntl.h>
 #include <hdf5.h>
+#include <unistd.h>
 
 #include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <utility>
 #include <vector>
 
 #include "core/error.hpp"
+#include "core/io/scratch.hpp"
+#include "core/io/watched_file.hpp"
 
 namespace talus {
 
@@ -23,6 +30,16 @@ namespace {
 constexpr std::array<const char*, 4> k_kinds{"Vertices", "Lines", "Polygons", "Strips"};
 constexpr hsize_t k_chunk_rows = 4096;  ///< of columns that grow with the particles
 constexpr hsize_t k_chunk_steps = 64;   ///< of columns with one row per frame
+// Of the library's own blocks: what a new file takes, what any frame may, and a chunk's index nodes if all split.
+constexpr std::uint64_t k_room_file = 256 << 10, k_room_frame = 16 << 10, k_room_chunk = 12 << 10;
+
+/// The library prints nothing (reasons go into Error) and does not clean up at exit: its clean-up writes what a full
+/// disk has refused before, and crashes when that fails again.
+void quiet_library() {
+  static const bool once = H5dont_atexit() >= 0;
+  static_cast<void>(once);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 /// Owns one HDF5 handle of any kind.
 class Handle {
@@ -77,6 +94,12 @@ struct Rows {
   hsize_t width = 1;
   bool matrix = false;  ///< rank 2 even when width is 1
   hsize_t rows = 0;
+  hsize_t chunk = 0;  ///< rows per chunk
+  /// Bytes that `n` more rows can take in the file: whole chunks, and their entries in the index.
+  std::uint64_t room(hsize_t n) const {
+    const hsize_t before = (rows + chunk - 1) / chunk, after = (rows + n + chunk - 1) / chunk;
+    return (after - before) * (chunk * width * H5Tget_size(memory) + k_room_chunk);
+  }
 };
 
 herr_t innermost(unsigned n, const H5E_error2_t* e, void* out) {
@@ -101,8 +124,11 @@ struct VtkHdfWriter::Impl {
   Rows values, part_offsets, number_of_parts, point_offsets, cell_offsets, connectivity_offsets, step_numbers;
   std::vector<Rows> point_data, point_data_offsets, cell_data, cell_data_offsets;
   std::int64_t frames = 0, last_step = -1;
+  WatchedFile watched;
+  mutable bool broken = false;  ///< the library failed: its handles stay open for good, closing would write again
 
   [[noreturn]] void fail(const std::string& action) const {
+    broken = true;
     std::string reason;
     H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, innermost, &reason);
     throw Error(ErrorCode::io, "cannot " + action + (reason.empty() ? "" : ": " + reason), path,
@@ -144,6 +170,7 @@ struct VtkHdfWriter::Impl {
     r.name = name;
     r.memory = memory;
     r.width = width;
+    r.chunk = chunk;
     r.matrix = matrix || width > 1;
     const int rank = r.matrix ? 2 : 1;
     if (create) {
@@ -168,10 +195,7 @@ struct VtkHdfWriter::Impl {
       throw_other_layout("'" + name + "' has another shape");
     r.rows = size[0];
   }
-  [[noreturn]] void throw_other_layout(const std::string& why) const {
-    throw Error(ErrorCode::io, "cannot be continued: " + why, path,
-                "resume with the scene that wrote it, or write to another folder");
-  }
+  [[noreturn]] void throw_other_layout(const std::string& why) const { throw CannotContinue(why, path); }
 
   void append_rows(Rows& r, const void* data, hsize_t n) {
     if (n == 0) return;
@@ -294,31 +318,67 @@ struct VtkHdfWriter::Impl {
     return p;
   }
 
+  std::uint64_t library_size() const {
+    hsize_t size = 0;
+    check(H5Fget_filesize(file, &size), "get the size");
+    return size;
+  }
+  void reserve(std::uint64_t bytes) { watched.reserve(bytes); }
+  /// After a flush: cuts the room that was not needed.
+  void settle() {
+    watched.release(library_size());
+    watched.mark();
+  }
+
+  /// The file appears under its name when it is whole: readers, and a run that is killed here, never leave a torso.
   void create() {
-    Handle fapl = access();
-    file = Handle(check(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, fapl), "create"));
-    datasets(true);
-    steps_group = Handle(check(H5Gopen2(file, "/VTKHDF/Steps", H5P_DEFAULT), "open a group"));
-    attributes();
-    flush();
+    const std::string scratch = scratch_beside(path);
+    try {
+      const int fd = ::open(scratch.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      if (fd < 0)
+        throw Error(ErrorCode::io, std::string("cannot create: ") + std::strerror(errno), path,
+                    "choose a folder that you may write to");
+      ::close(fd);
+      Handle fapl = access();
+      file = Handle(check(H5Fcreate(scratch.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, fapl), "create"));
+      watched = WatchedFile(scratch);
+      watched.renamed(path);
+      reserve(k_room_file);
+      datasets(true);
+      steps_group = Handle(check(H5Gopen2(file, "/VTKHDF/Steps", H5P_DEFAULT), "open a group"));
+      attributes();
+      flush();
+      settle();
+      if (std::rename(scratch.c_str(), path.c_str()) != 0)
+        throw Error(ErrorCode::io, std::string("cannot create: ") + std::strerror(errno), path);
+    } catch (...) {
+      static_cast<void>(std::remove(scratch.c_str()));
+      throw;
+    }
   }
 
   void open(std::int64_t resume_step) {
+    watched = WatchedFile(path);
     Handle fapl = access();
-    file = Handle(check(H5Fopen(path.c_str(), H5F_ACC_RDWR, fapl), "open"));
+    file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDWR, fapl));
+    if (file < 0) throw_other_layout("it cannot be read as HDF5");
+    reserve(k_room_file);
     datasets(false);
-    steps_group = Handle(check(H5Gopen2(file, "/VTKHDF/Steps", H5P_DEFAULT), "open a group"));
+    steps_group = Handle(H5Gopen2(file, "/VTKHDF/Steps", H5P_DEFAULT));
+    if (steps_group < 0) throw_other_layout("it has no steps");
     Handle a(H5Aopen(steps_group, "NSteps", H5P_DEFAULT));
     if (a < 0) throw_other_layout("it has no NSteps");
     check(H5Aread(a, H5T_NATIVE_INT64, &frames), "read NSteps");
-    while (frames > 0 && read_value(step_numbers, static_cast<hsize_t>(frames - 1)) > resume_step) --frames;
     if (frames < 0) throw_other_layout("NSteps is negative");
+    const std::int64_t before = frames;
+    while (frames > 0 && read_value(step_numbers, static_cast<hsize_t>(frames - 1)) > resume_step) --frames;
     last_step = frames > 0 ? read_value(step_numbers, static_cast<hsize_t>(frames - 1)) : -1;
     // First forget the frames, then cut their data: a kill in between leaves unused rows, which append overwrites.
-    write_n_steps();
+    if (frames != before) write_n_steps();
     flush();
     cut();
     flush();
+    settle();
   }
 
   void cut() {
@@ -389,7 +449,11 @@ struct VtkHdfWriter::Impl {
                   "frame of step " + std::to_string(frame.step) + " does not come after the last one (" +
                       std::to_string(last_step) + ")",
                   path, "each step is written once");
+    if (broken)
+      throw Error(ErrorCode::io, "was given up after a failed write", path, "resume from the newest checkpoint");
+    watched.check();
     const PolyData p = poly(frame);
+    reserve(room(p));
     const auto n_points = static_cast<std::int64_t>(p.points.size());
     append_rows(values, &frame.time, 1);
     append_value(step_numbers, frame.step);
@@ -420,36 +484,65 @@ struct VtkHdfWriter::Impl {
     last_step = frame.step;
     write_n_steps();
     flush();
+    settle();
+  }
+
+  /// Upper bound of what a frame adds to the file, so that a full disk is seen before the library begins to write.
+  std::uint64_t room(const PolyData& p) const {
+    const hsize_t n = p.points.size(), verts = p.vertices ? n : 0, polys = p.triangles.size();
+    std::uint64_t bytes = k_room_frame + points.room(n);
+    for (const Rows* r : {&number_of_points, &values, &part_offsets, &number_of_parts, &point_offsets, &cell_offsets,
+                          &connectivity_offsets, &step_numbers})
+      bytes += r->room(1);
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
+      const hsize_t cells = k == 0 ? verts : k == 2 ? polys : 0;
+      bytes += kinds[k].cells.room(1) + kinds[k].ids.room(1) + kinds[k].offsets.room(cells + 2);
+      bytes += kinds[k].connectivity.room(k == 2 ? 3 * cells : cells);
+    }
+    for (const auto* columns_of : {&point_data_offsets, &cell_data_offsets})
+      for (const Rows& r : *columns_of) bytes += r.room(1);
+    for (const Rows& r : point_data) bytes += r.room(n);
+    for (const Rows& r : cell_data) bytes += r.room(verts + polys);
+    return bytes;
   }
 };
 
 VtkHdfWriter::VtkHdfWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 VtkHdfWriter::VtkHdfWriter(VtkHdfWriter&&) noexcept = default;
 VtkHdfWriter& VtkHdfWriter::operator=(VtkHdfWriter&&) noexcept = default;
-VtkHdfWriter::~VtkHdfWriter() = default;
+VtkHdfWriter::~VtkHdfWriter() {
+  if (impl_ && impl_->broken) static_cast<void>(impl_.release());
+}
 
 VtkHdfWriter::VtkHdfWriter(const std::string& path, const ParticleColumns& columns, Content content)
-    : impl_(std::make_unique<Impl>()) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // a library prints nothing; reasons go into Error
+    : VtkHdfWriter(std::make_unique<Impl>()) {
+  quiet_library();
   impl_->path = path;
   impl_->columns = columns;
   impl_->content = content;
-  impl_->create();
+  impl_->create();  // the object exists already: its destructor runs if this throws
 }
 
 VtkHdfWriter VtkHdfWriter::resume(const std::string& path, const ParticleColumns& columns, Content content,
                                   std::int64_t last_step) {
   if (!std::filesystem::exists(path)) return VtkHdfWriter(path, columns, content);
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  auto impl = std::make_unique<Impl>();
-  impl->path = path;
-  impl->columns = columns;
-  impl->content = content;
-  impl->open(last_step);
-  return VtkHdfWriter(std::move(impl));
+  quiet_library();
+  VtkHdfWriter writer(std::make_unique<Impl>());
+  Impl& m = *writer.impl_;
+  m.path = path;
+  m.columns = columns;
+  m.content = content;
+  try {
+    m.open(last_step);
+  } catch (const CannotContinue&) {
+    if (m.file >= 0) m.settle();  // as it was found
+    throw;
+  }
+  return writer;
 }
 
 void VtkHdfWriter::append(const Frame& frame) { impl_->append(frame); }
+void VtkHdfWriter::check() const { impl_->watched.check(); }
 std::int64_t VtkHdfWriter::frames() const noexcept { return impl_->frames; }
 std::int64_t VtkHdfWriter::last_step() const noexcept { return impl_->last_step; }
 
@@ -483,7 +576,7 @@ struct VtkHdfReader::Impl {
 };
 
 VtkHdfReader::VtkHdfReader(const std::string& path) : impl_(std::make_unique<Impl>()) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  quiet_library();
   Impl& m = *impl_;
   m.path = path;
   const Handle access(H5Pcreate(H5P_FILE_ACCESS));

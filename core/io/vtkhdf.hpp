@@ -17,18 +17,20 @@ class VtkHdfWriter {
  public:
   enum class Content { particles, walls, contacts };
 
-  /// Creates the file (an old one is replaced). `columns` matters for particles only. Error{io}.
+  /// Creates the file, whole at once (an old one is replaced). `columns` matters for particles only. Error{io}.
   VtkHdfWriter(const std::string& path, const ParticleColumns& columns, Content content = Content::particles);
   /// Opens an existing file for appending and drops all frames later than `last_step` (the step of the checkpoint).
-  /// A missing file is created. Error{io}: not a file of this program, or other columns.
+  /// A missing file is created. CannotContinue: not a file of this program, damaged, or other columns. Error{io}.
   static VtkHdfWriter resume(const std::string& path, const ParticleColumns& columns, Content content,
                              std::int64_t last_step);
   ~VtkHdfWriter();
   VtkHdfWriter(VtkHdfWriter&&) noexcept;
   VtkHdfWriter& operator=(VtkHdfWriter&&) noexcept;
 
-  /// Appends one frame and flushes. Error{io}: write failure, missing column, or a step not after last_step().
+  /// Appends one frame and flushes. Error{io}: no room (the file is as before), the file was deleted or changed by
+  /// others, write failure, missing column, or a step not after last_step().
   void append(const Frame& frame);
+  void check() const;  ///< Error{io} if the file was deleted, replaced or truncated by others
   std::int64_t frames() const noexcept;     ///< in the file
   std::int64_t last_step() const noexcept;  ///< step of the last frame, -1 if none
 

@@ -9,6 +9,7 @@
 
 #include "core/error.hpp"
 #include "core/io/atomic_file.hpp"
+#include "core/io/watched_file.hpp"
 
 namespace talus {
 
@@ -133,6 +134,18 @@ std::string PvdCollection::file_name(std::int64_t step) const {
   return fmt::format("vtp/{}-{:012}.{}", stem_, step, extension_);
 }
 
+void PvdCollection::check() const {
+  const auto there = [](const std::string& path) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) == 0 || error)
+      throw Error(ErrorCode::io, "was deleted or emptied during the run", path,
+                  "leave the files of a run alone until it has ended; --resume continues it");
+  };
+  if (entries_.empty()) return;
+  there(folder_ + "/" + stem_ + ".pvd");
+  for (const Entry& e : entries_) there(folder_ + "/" + file_name(e.step));
+}
+
 std::string PvdCollection::path(std::int64_t step) const { return folder_ + "/" + file_name(step); }
 
 void PvdCollection::write() const {
@@ -168,8 +181,7 @@ PvdCollection PvdCollection::resume(const std::string& folder, const std::string
     const char* digits = text.data() + end + middle.size();
     std::int64_t step = -1;
     const auto parsed = std::from_chars(digits, text.data() + text.size(), step);
-    if (parsed.ec != std::errc() || step <= c.last_step())
-      throw Error(ErrorCode::io, "list of frames is damaged", list, "delete it or write to another folder");
+    if (parsed.ec != std::errc() || step <= c.last_step()) throw CannotContinue("the list of frames is damaged", list);
     if (step <= last_step) {
       c.entries_.push_back({step, text.substr(begin, end - begin)});
     } else {

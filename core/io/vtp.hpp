@@ -36,6 +36,7 @@ class PvdCollection {
   std::string path(std::int64_t step) const;  ///< of the frame's file
   /// Lists a file that has been written; replaces the .pvd atomically. Error{io} if step is not after last_step().
   void add(std::int64_t step, double time);
+  void check() const;  ///< Error{io} if the list or a frame's file was deleted or emptied by others
   std::int64_t last_step() const noexcept { return entries_.empty() ? -1 : entries_.back().step; }
   std::size_t size() const noexcept { return entries_.size(); }
 

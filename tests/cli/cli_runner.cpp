@@ -35,7 +35,9 @@ Table table_of(const std::string& csv) {
   return table;
 }
 
-Process::Process(const fs::path& folder, const std::vector<std::string>& arguments) : folder_(folder) {
+Process::Process(const fs::path& folder, const std::vector<std::string>& arguments,
+                 const std::function<void()>& prepare)
+    : folder_(folder) {
   std::vector<std::string> words{TALUS_BINARY};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -52,6 +54,7 @@ Process::Process(const fs::path& folder, const std::vector<std::string>& argumen
   to(out, 1);
   to(err, 2);
   if (chdir(directory.c_str()) != 0) _exit(126);
+  if (prepare) prepare();
   execv(argv[0], argv.data());
   _exit(127);
 }

@@ -6,6 +6,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -27,8 +28,10 @@ Table table_of(const std::string& csv);
 /// A started `talus`; wait() must be called.
 class Process {
  public:
-  /// Output goes to files in `folder`, which is also the working directory.
-  Process(const std::filesystem::path& folder, const std::vector<std::string>& arguments);
+  /// Output goes to files in `folder`, which is also the working directory. `prepare` runs in the new process just
+  /// before the program.
+  Process(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
+          const std::function<void()>& prepare = {});
   pid_t id() const { return id_; }
   Result wait();
 
@@ -42,7 +45,9 @@ class Cli : public ::testing::Test {
  protected:
   void SetUp() override;
   void TearDown() override;
-  Result talus(const std::vector<std::string>& arguments) { return Process(folder, arguments).wait(); }
+  Result talus(const std::vector<std::string>& arguments, const std::function<void()>& prepare = {}) {
+    return Process(folder, arguments, prepare).wait();
+  }
   /// Writes text to folder/name and returns the name.
   std::string write(const std::string& name, const std::string& text);
   std::string read(const std::string& name) const;

@@ -2,6 +2,7 @@
 #include "core/io/run_folder.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <filesystem>
@@ -31,19 +32,19 @@ ErrorCode refusal(const std::string& dir, bool overwrite = false) {
   return ErrorCode::scene;
 }
 
-TEST(RunFolder, AppearsWithTheSceneAndNothingElse) {
+TEST(RunFolder, AppearsWithTheSceneAndItsLockAndNothingElse) {
   TemporaryFolder t;
   const auto f = RunFolder::create(t / "a/b/out/", "title = 1\n");
   EXPECT_EQ(f.dir(), t / "a/b/out");
   EXPECT_EQ(slurp(t / "a/b/out/scene.toml"), "title = 1\n");
   EXPECT_EQ(entries(t / "a/b"), 1u);
-  EXPECT_EQ(entries(t / "a/b/out"), 1u);
+  EXPECT_EQ(entries(t / "a/b/out"), 2u);  // and its lock
   EXPECT_EQ(RunFolder::open(t / "a/b/out").series(), t / "a/b/out/series.csv");
 }
 
 TEST(RunFolder, RefusesContentUnlessAskedAndForeignFilesAlways) {
   TemporaryFolder t;
-  RunFolder::create(t / "out", "old");
+  { RunFolder::create(t / "out", "old"); }
   spill(t / "out/series.csv", "data");
   EXPECT_EQ(refusal(t / "out"), ErrorCode::usage);
   EXPECT_EQ(slurp(t / "out/series.csv"), "data");
@@ -54,8 +55,8 @@ TEST(RunFolder, RefusesContentUnlessAskedAndForeignFilesAlways) {
   fs::remove(t / "out/thesis.tex");
   RunFolder::create(t / "out", "new", true);
   EXPECT_EQ(slurp(t / "out/scene.toml"), "new");
-  EXPECT_EQ(entries(t / "out"), 1u);
-  EXPECT_EQ(entries(t.path()), 1u);  // no out.tmp, no out.old
+  EXPECT_EQ(entries(t / "out"), 2u);
+  EXPECT_EQ(entries(t.path()), 1u);  // no scratch
   spill(t / "file", "x");
   EXPECT_EQ(refusal(t / "file"), ErrorCode::usage);
   EXPECT_EQ(refusal("", true), ErrorCode::usage);
@@ -104,6 +105,63 @@ TEST(RunFolder, OpenRefusesWhatIsNoRun) {
   TemporaryFolder t;
   EXPECT_THROW(RunFolder::open(t / "none"), Error);
   EXPECT_THROW(RunFolder::open(t.path()), Error);
+}
+
+TEST(RunFolder, IsLockedAsLongAsSomebodyWritesIntoIt) {
+  TemporaryFolder t;
+  {
+    const auto f = RunFolder::create(t / "out", "s");
+    const auto copy = f;
+    EXPECT_FALSE(FolderLock::holder(t / "out").empty());
+    EXPECT_THROW(RunFolder::resume(t / "out"), Error);
+    EXPECT_EQ(refusal(t / "out", true), ErrorCode::io);
+    EXPECT_EQ(RunFolder::open(t / "out").dir(), t / "out") << "reading needs no lock";
+  }
+  EXPECT_EQ(FolderLock::holder(t / "out"), "");
+  const auto again = RunFolder::resume(t / "out");
+  EXPECT_NE(FolderLock::holder(t / "out").find(std::to_string(getpid())), std::string::npos);
+}
+
+TEST(RunFolder, ResumeRemovesMarkedScratchAndNothingThatLooksLikeIt) {
+  TemporaryFolder t;
+  { RunFolder::create(t / "out", "s"); }
+  for (const char* name :
+       {".talus-0123456789abcdef", "a.tmp", "summary.json.tmp", ".talus-notes", ".talus-0123456789ABCDEF"})
+    spill(t / "out/" + name, "x");
+  RunFolder::resume(t / "out");
+  EXPECT_FALSE(fs::exists(t / "out/.talus-0123456789abcdef"));
+  EXPECT_EQ(entries(t / "out"), 6u);
+}
+
+TEST(RunFolder, OverwritingKeepsTheFolderWhereSomethingElseIsInIt) {
+  TemporaryFolder t;
+  { RunFolder::create(t / "out", "old"); }
+  fs::create_directory(t / "out/vtp");
+  spill(t / "out/vtp/particles-000000000001.vtp", "frame");
+  spill(t / "out/vtp/notes.vtp", "mine");
+  EXPECT_EQ(refusal(t / "out", true), ErrorCode::usage);
+  fs::remove(t / "out/vtp/notes.vtp");
+  spill(t / "out/other.pvd", "mine");
+  EXPECT_EQ(refusal(t / "out", true), ErrorCode::usage);
+  fs::remove(t / "out/other.pvd");
+  RunFolder::create(t / "out", "new", true);
+  EXPECT_FALSE(fs::exists(t / "out/vtp"));
+  EXPECT_EQ(entries(t.path()), 1u);
+}
+
+TEST(RunFolder, NamesAsideAreNewAndBelongToTheRun) {
+  TemporaryFolder t;
+  {
+    const auto f = RunFolder::create(t / "out", "s");
+    spill(f.series(), "one");
+    EXPECT_EQ(f.set_aside(f.series(), 40), t / "out/series-until-40.csv");
+    spill(f.series(), "two");
+    EXPECT_EQ(f.set_aside(f.series(), 40), t / "out/series-until-40-2.csv");
+    EXPECT_EQ(slurp(t / "out/series-until-40.csv"), "one");
+  }
+  EXPECT_NO_THROW(RunFolder::check(t / "out", true));
+  spill(t / "out/thesis-until-40.csv", "mine");
+  EXPECT_THROW(RunFolder::check(t / "out", true), Error);
 }
 
 TEST(RunFolder, KeepsTheTwoNewestCheckpoints) {

@@ -3,12 +3,16 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
+#include <functional>
 
 #include "core/error.hpp"
+#include "core/io/watched_file.hpp"
 #include "tests/io/output_frames.hpp"
 
 namespace talus {
@@ -147,6 +151,83 @@ TEST(VtkHdf, ReadableWhileTheWriterHasItOpen) {
   EXPECT_TRUE(python("check_vtkhdf.py", folder / "p.vtkhdf" + " particles 0:100 1:90"));
 }
 
+int entries(const TemporaryFolder& folder) {
+  return static_cast<int>(std::distance(std::filesystem::directory_iterator(folder.path()), {}));
+}
+
+/// A limit on the size of files while it lives: as a full disk.
+class NoRoom {
+ public:
+  explicit NoRoom(rlim_t bytes) {
+    signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit now{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &now);
+  }
+  ~NoRoom() { setrlimit(RLIMIT_FSIZE, &before_); }
+
+ private:
+  rlimit before_{};
+};
+
+TEST(VtkHdf, WithoutRoomTheFileIsAsBeforeAndCanBeContinued) {
+  TemporaryFolder folder;
+  const std::string path = folder / "p.vtkhdf";
+  {
+    VtkHdfWriter w(path, k_all);
+    w.append(make_frame(0, 100));
+    const std::string before = test::slurp(path);
+    {
+      const NoRoom disk(before.size() + 1000);
+      EXPECT_THROW(w.append(make_frame(1, 5000)), Error);
+    }
+    EXPECT_EQ(test::slurp(path), before);
+    EXPECT_EQ(w.frames(), 1);
+    w.append(make_frame(2, 800));  // there is room again
+  }
+  EXPECT_TRUE(python("check_vtkhdf.py", path + " particles 0:100 2:800"));
+}
+
+TEST(VtkHdf, WithoutRoomNoFileIsCreatedAndAnOldOneStays) {
+  TemporaryFolder folder;
+  const std::string path = folder / "p.vtkhdf";
+  test::spill(path, "old");
+  {
+    const NoRoom disk(20000);
+    EXPECT_THROW(VtkHdfWriter(path, k_all), Error);
+  }
+  EXPECT_EQ(test::slurp(path), "old");
+  EXPECT_EQ(entries(folder), 1) << "no scratch is left";
+}
+
+TEST(VtkHdf, FilesThatOthersTouchedAreSeen) {
+  TemporaryFolder folder;
+  const std::string path = folder / "p.vtkhdf";
+  const auto touched = [&](const std::function<void()>& touch) {
+    VtkHdfWriter w(path, k_all);
+    w.append(make_frame(0, 100));
+    w.check();
+    touch();
+    EXPECT_THROW(w.check(), Error);
+    EXPECT_THROW(w.append(make_frame(1, 100)), Error);
+  };
+  touched([&] { std::filesystem::remove(path); });
+  touched([&] { std::filesystem::resize_file(path, 5000); });
+  touched([&] { std::filesystem::rename(path, path + "2"), std::filesystem::copy_file(path + "2", path); });
+}
+
+TEST(VtkHdf, WhatCannotBeContinuedIsToldApartAndLeftAsItWas) {
+  TemporaryFolder folder;
+  const std::string path = folder / "p.vtkhdf";
+  { VtkHdfWriter(path, k_all).append(make_frame(0, 100)); }
+  const std::string whole = test::slurp(path);
+  EXPECT_THROW(VtkHdfWriter::resume(path, {}, VtkHdfWriter::Content::particles, 5), CannotContinue);
+  EXPECT_EQ(test::slurp(path), whole);
+  test::spill(path, whole.substr(0, 3000));
+  EXPECT_THROW(VtkHdfWriter::resume(path, k_all, VtkHdfWriter::Content::particles, 5), CannotContinue);
+  EXPECT_EQ(test::slurp(path), whole.substr(0, 3000));
+}
+
 TEST(VtkHdf, KilledWriterLeavesWholeFramesAndCanBeResumed) {
   TemporaryFolder folder;
   int some = 0;
@@ -158,7 +239,9 @@ TEST(VtkHdf, KilledWriterLeavesWholeFramesAndCanBeResumed) {
       VtkHdfWriter w(path, k_all);
       for (int step = 0;; ++step) w.append(make_frame(step, 100 + 700 * (step % 5)));
     }
-    usleep(static_cast<useconds_t>(60000 + 23000 * round));
+    // The file appears whole: from the moment it has its name it can be read.
+    for (int wait = 0; wait < 20000 && !std::filesystem::exists(path); ++wait) usleep(1000);
+    usleep(static_cast<useconds_t>(23000 * round));
     kill(child, SIGKILL);
     waitpid(child, nullptr, 0);
     EXPECT_TRUE(python("check_vtkhdf.py", path + " particles --whole > /dev/null")) << round;

@@ -1,0 +1,34 @@
+// Text to the terminal. Called by all cli_*.cpp. Invariants: what cannot be written to standard output is an error,
+// since the caller asked for it; what cannot be written to standard error is lost without harm, since a run must not
+// end over a message.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string_view>
+#include <utility>
+
+namespace talus::cli {
+
+/// Writes to standard output. Error{io} with the system's reason.
+void put_text(std::string_view text);
+/// Writes to standard error, or nothing.
+void tell_text(std::string_view text) noexcept;
+/// Writes out what is buffered. Error{io}.
+void flush_output();
+
+template <class... T>
+void put(fmt::format_string<T...> form, T&&... values) {
+  put_text(fmt::format(form, std::forward<T>(values)...));
+}
+template <class... T>
+void tell(fmt::format_string<T...> form, T&&... values) {
+  tell_text(fmt::format(form, std::forward<T>(values)...));
+}
+
+/// Opens descriptors 0 to 2 where they are closed, on /dev/null: otherwise the next files that the program opens would
+/// get these numbers, and messages would be written into them. Ignores SIGPIPE and SIGXFSZ: writes
+/// report them.
+void secure_descriptors() noexcept;
+
+}  // namespace talus::cli

@@ -1,0 +1,107 @@
+// The speed and the end that a progress line states, and signals that come twice.
+#include "cases/progress.hpp"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <string>
+
+#include "cases/cli_signal.hpp"
+
+namespace talus::cli {
+namespace {
+
+TEST(Pace, KnowsNothingBeforeTheFirstStep) {
+  const Pace pace;
+  EXPECT_EQ(pace.steps_per_s(), 0);
+  EXPECT_EQ(pace.seconds_to(100), -1);
+  EXPECT_EQ(duration_text(pace.seconds_to(100)), "?");
+}
+
+TEST(Pace, TheEndIsWhatIsLeftOverTheSpeed) {
+  Pace pace;
+  pace.note(4, 200, 6000);
+  EXPECT_EQ(pace.steps_per_s(), 50);
+  EXPECT_EQ(pace.work_per_s(), 1500);
+  EXPECT_EQ(pace.seconds_to(1000), 16);  // 800 left at 50 per second
+  EXPECT_EQ(pace.seconds_to(200), 0);
+  EXPECT_EQ(pace.seconds_to(100), 0);
+}
+
+TEST(Pace, StepsBeforeTheFirstOneDoNotCount) {
+  Pace pace(100);
+  pace.note(2, 120, 20);
+  EXPECT_EQ(pace.steps_per_s(), 10);
+  EXPECT_EQ(pace.seconds_to(220), 10);
+}
+
+/// 10 steps per second for 40 s, then 100 per second: 20 s later nothing of the slow part counts.
+TEST(Pace, FollowsTheRecentSpeed) {
+  Pace pace;
+  double steps = 0;
+  for (int second = 1; second <= 40; ++second) pace.note(second, steps += 10, 0);
+  EXPECT_EQ(pace.steps_per_s(), 10);
+  for (int second = 41; second <= 65; ++second) pace.note(second, steps += 100, 0);
+  EXPECT_EQ(pace.steps_per_s(), 100);
+  EXPECT_EQ(pace.seconds_to(steps + 500), 5);
+}
+
+TEST(Pace, ALineShowsIt) {
+  std::FILE* log = std::tmpfile();
+  ASSERT_NE(log, nullptr);
+  double before = 0, after = 0;
+  {
+    Progress progress(log, Progress::Style::lines, 100, 1100);
+    while (progress.seconds() < 0.3) usleep(1000);
+    before = progress.seconds();
+    progress.update(350, 0.5, 10);  // a quarter is done: three times what it took is left
+    after = progress.seconds();
+  }
+  std::rewind(log);
+  char line[512] = "";
+  ASSERT_NE(std::fgets(line, sizeof line, log), nullptr);
+  std::fclose(log);
+  const std::string text = line;
+  const std::size_t at = text.find("ETA ");
+  ASSERT_NE(at, std::string::npos) << text;
+  if (after > 15) GTEST_SKIP() << "the machine stood still: the line is in minutes";
+  const double eta = std::stod(text.substr(at + 4));
+  EXPECT_GE(eta, 3 * before - 0.06) << text;
+  EXPECT_LE(eta, 3 * after + 0.06) << text;
+  EXPECT_NE(text.find(" 25.0 %"), std::string::npos) << text;
+}
+
+/// What becomes of a process that gets these signals while a SignalGuard lives; 0 if it lives on.
+int fate(std::initializer_list<int> signals) {
+  const pid_t child = fork();
+  if (child == 0) {
+    const SignalGuard guard;
+    for (const int s : signals) raise(s);
+    _exit(guard.caught() == *signals.begin() ? 0 : 99);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+TEST(SignalGuard, RemembersTheFirstAndASecondEndsTheProcessAtOnce) {
+  for (const int s : {SIGINT, SIGTERM, SIGHUP}) {
+    EXPECT_EQ(fate({s}), 0) << s;
+    EXPECT_EQ(fate({s, s}), s);
+  }
+  EXPECT_EQ(fate({SIGINT, SIGTERM}), SIGTERM) << "a second one of any kind";
+}
+
+TEST(SignalGuard, SignalsOfTheRunsOwnWritesMayComeAgain) {
+  for (const int s : {SIGPIPE, SIGXFSZ}) {
+    EXPECT_EQ(fate({s, s, s}), 0) << s;
+    EXPECT_EQ(fate({s, s, SIGTERM}), 0) << "the first one of a user";
+    EXPECT_EQ(fate({s, SIGTERM, SIGTERM}), SIGTERM);
+  }
+}
+
+}  // namespace
+}  // namespace talus::cli

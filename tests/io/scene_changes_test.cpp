@@ -1,0 +1,131 @@
+// What a resumed run may change: a rule for every key, a record that is a scene, comparisons by value.
+#include "core/io/scene_changes.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/io/scene_keys.hpp"
+
+namespace talus {
+namespace {
+
+const char* const k_scene = R"(gravity = [0, 0, -9.81]
+[domain]
+lower = [0, 0, 0]
+upper = [1, 1, 1]
+[time]
+step = 1e-5
+duration = 1e-3
+[[material]]
+name = "a \"quoted\" name"
+density = 2500
+[contact]
+normal_stiffness = 1e5
+[[source]]
+kind = "stream"
+number_rate = 1000
+interval = 0.01
+region = { lower = [0.1, 0.1, 0.1], upper = [0.9, 0.9, 0.9] }
+size = { diameter = 0.05 }
+[[wall]]
+name = "one"
+shape = "plane"
+[[wall]]
+name = "two"
+shape = "plane"
+point = [0, 0, 0.5]
+[wall.motion]
+velocity = [1, 0, 0]
+[list]
+verlet_k = 100
+)";
+
+SceneText scene(const std::vector<std::string>& sets = {}) { return read_scene_text(k_scene, "test", ".", sets); }
+
+std::vector<SceneChange> changes(const std::vector<std::string>& sets) {
+  return scene_changes({{}, scene()}, scene(sets), 10);
+}
+
+TEST(SceneChanges, EveryKeyHasARule) {
+  for (const SceneKey& k : scene_keys()) {
+    const ResumeRule rule = resume_rule(k.section, k.name);
+    EXPECT_EQ(rule.rule == AtResume::fixed, !rule.why.empty()) << full_name(k) << ": a refusal has a reason";
+  }
+}
+
+TEST(SceneChanges, TheRecordOfASceneIsASceneWithTheSameState) {
+  const SceneText whole = scene();
+  const std::string text = scene_record(whole);
+  const SceneText record = read_scene_text(text, "record", ".", {});
+  EXPECT_EQ(scene_record(record), text);
+  EXPECT_EQ(record.scene.materials[0].name, "a \"quoted\" name");
+  ASSERT_EQ(record.scene.walls.size(), 2u);
+  EXPECT_EQ(record.scene.walls[0].motion.velocity.x, 0);
+  EXPECT_EQ(record.scene.walls[1].motion.velocity.x, 1);
+  EXPECT_TRUE(scene_changes({record, {}}, whole, 10).empty());
+  // What does not concern the state is no part of it: the same trajectory, the same bytes of a checkpoint.
+  EXPECT_EQ(scene_record(scene({"list.verlet_k=20", "time.steps=7", "output.csv_every=1e-4"})), text);
+  EXPECT_NE(scene_record(scene({"contact.normal_stiffness=2e5"})), text);
+}
+
+TEST(SceneChanges, EveryExampleOfAKeySurvivesTheRecord) {
+  for (const SceneKey& k : scene_keys()) {
+    const SceneText whole = read_scene_text(scene_key_example(k), full_name(k), ".", {});
+    const SceneText record = read_scene_text(scene_record(whole), full_name(k), ".", {});
+    for (const SceneChange& c : scene_changes({record, {}}, whole, 0))
+      EXPECT_EQ(c.rule, AtResume::free) << full_name(k) << ": " << change_text(c);
+  }
+}
+
+TEST(SceneChanges, ValuesAreComparedNotTheirSpelling) {
+  EXPECT_TRUE(changes({}).empty());
+  EXPECT_TRUE(changes({"contact.normal_stiffness=100000"}).empty());
+  EXPECT_TRUE(changes({"gravity=[0, 0, -9.810]"}).empty());
+  EXPECT_TRUE(changes({"seed=1"}).empty()) << "the default";
+  EXPECT_TRUE(changes({"time.steps=100"}).empty()) << "the same duration";
+}
+
+TEST(SceneChanges, AreListedWithOldAndNewValueTheRefusedFirst) {
+  const auto all = changes({"contact.normal_stiffness=2e5", "domain.upper=[1,1,2]", "time.steps=200"});
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_EQ(change_text(all[0]), "domain.upper: [1, 1, 1] -> [1, 1, 2]");
+  EXPECT_EQ(all[0].rule, AtResume::fixed);
+  EXPECT_EQ(change_text(all[1]), "contact.normal_stiffness: 100000 -> 200000");
+  EXPECT_EQ(all[1].rule, AtResume::physics);
+  EXPECT_EQ(change_text(all[2]), "time.steps: 100 -> 200");
+  EXPECT_EQ(all[2].rule, AtResume::free);
+}
+
+TEST(SceneChanges, OnlyAStreamMayDeliverDifferently) {
+  ASSERT_EQ(changes({"source.0.number_rate=2000"}).size(), 1u);
+  EXPECT_EQ(changes({"source.0.number_rate=2000"})[0].rule, AtResume::physics);
+  EXPECT_EQ(changes({"source.0.size.diameter=0.04"})[0].rule, AtResume::fixed);
+  const std::vector<std::string> pack{"source.0.kind=random", "source.0.number=5"};
+  std::string text = k_scene;
+  for (const std::string line : {"number_rate = 1000\n", "interval = 0.01\n"}) text.erase(text.find(line), line.size());
+  const SceneText before = read_scene_text(text, "test", ".", pack);
+  const SceneText after = read_scene_text(text, "test", ".", {pack[0], "source.0.number=6"});
+  const auto all = scene_changes({{}, before}, after, 10);
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].rule, AtResume::fixed);
+}
+
+TEST(SceneChanges, WallsAreKnownByNameAndShape) {
+  const Scene before = scene().scene;
+  EXPECT_TRUE(wall_numbers(before, scene({"wall.1.motion.velocity=[2,0,0]"}).scene).empty());
+  Scene after = before;
+  std::swap(after.walls[0], after.walls[1]);
+  // two walls of the scene, then six sides of the domain
+  EXPECT_EQ(wall_numbers(before, after), (std::vector<int>{1, 0, 2, 3, 4, 5, 6, 7}));
+  after = before;
+  after.walls.insert(after.walls.begin(), before.walls[0]);
+  after.walls[0].name = "new";
+  EXPECT_EQ(wall_numbers(before, after), (std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8}));
+  after = before;
+  after.walls[0].point.z = 0.1;
+  EXPECT_EQ(wall_numbers(before, after), (std::vector<int>{-1, 1, 2, 3, 4, 5, 6, 7}));
+  after.walls.erase(after.walls.begin());
+  EXPECT_EQ(wall_numbers(before, after), (std::vector<int>{-1, 0, 1, 2, 3, 4, 5, 6}));
+}
+
+}  // namespace
+}  // namespace talus
