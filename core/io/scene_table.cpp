@@ -567,8 +567,9 @@ std::string normal_text(const SceneKey& key, const toml::node& node) {
   if (node.is_string()) return quoted(node.as_string()->get());
   if (node.is_boolean()) return node.as_boolean()->get() ? "true" : "false";
   const bool whole = key.type == KeyType::integer || key.type == KeyType::cells || key.type == KeyType::id_range;
-  if (whole && node.is_integer()) return fmt::format("{}", node.as_integer()->get());
-  return fmt::format("{}", node.value<double>().value_or(0));
+  if (!node.is_integer()) return fmt::format("{}", node.value<double>().value_or(0));
+  const std::int64_t n = node.as_integer()->get();
+  return whole ? fmt::format("{}", n) : fmt::format("{}", static_cast<double>(n));
 }
 
 }  // namespace
