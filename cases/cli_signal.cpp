@@ -25,7 +25,8 @@ void remember(int number) {
 }  // namespace
 
 SignalGuard::SignalGuard() {
-  g_signal = g_asked = 0;
+  g_signal = 0;
+  g_asked = 0;
   struct sigaction action = {};
   action.sa_handler = remember;
   action.sa_flags = SA_RESTART;

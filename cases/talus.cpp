@@ -104,6 +104,7 @@ int guarded(const std::function<int()>& command) {
 
 /// The exit code of a command whose text has to be out, too.
 int finished(int code) {
+  if (code == static_cast<int>(ErrorCode::io)) return code;  // one message is enough
   const int flushed = guarded([] {
     cli::flush_output();
     return 0;

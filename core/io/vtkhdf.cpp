@@ -484,6 +484,9 @@ VtkHdfWriter VtkHdfWriter::resume(const std::string& path, const ParticleColumns
   } catch (const CannotContinue&) {
     if (m.file >= 0) m.settle();  // as it was found
     throw;
+  } catch (const Error&) {
+    if (m.broken) throw CannotContinue("it is damaged", path);
+    throw;
   }
   return writer;
 }
