@@ -9,6 +9,7 @@
 #include "cases/cli_console.hpp"
 #include "core/io/atomic_file.hpp"
 #include "core/io/scene_file.hpp"
+#include "core/region.hpp"
 #include "core/text.hpp"
 #include "scheduler/simulation.hpp"
 
@@ -106,6 +107,7 @@ Start find_start(const Options& options) {
   Start start;
   start.scene = read_scene_text(read_scene_file(options.scene), options.scene, scene_directory(options.scene),
                                 overrides_of(options));
+  load_regions(start.scene.scene);
   const std::string origin = options.resume.empty() ? "" : origin_of(options.resume);
   if (!options.out.empty()) {
     start.folder = options.out;
@@ -156,7 +158,11 @@ RunFolder open_folder(const Options& options, const Start& start) {
   return folder;
 }
 
-Scene stored_scene(const RunFolder& folder) { return stored_text(folder).scene; }
+Scene stored_scene(const RunFolder& folder) {
+  Scene scene = stored_text(folder).scene;
+  load_regions(scene);
+  return scene;
+}
 
 Stored open_stored(const std::string& path) {
   if (fs::is_directory(path)) {

@@ -20,6 +20,7 @@
 
 #include "core/error.hpp"
 #include "core/io/hdf5_handle.hpp"
+#include "core/io/hdf5_journal.hpp"
 #include "core/io/scratch.hpp"
 #include "core/io/watched_file.hpp"
 
@@ -184,7 +185,14 @@ struct VtkHdfWriter::Impl {
     Handle a(check(H5Aopen(steps_group, "NSteps", H5P_DEFAULT), "open NSteps"));
     check(H5Awrite(a, H5T_NATIVE_INT64, &frames), "write NSteps");
   }
-  void flush() { check(H5Fflush(file, H5F_SCOPE_LOCAL), "flush"); }
+  /// What was written so far is the file from now on.
+  void flush() {
+    check(H5Fflush(file, H5F_SCOPE_LOCAL), "flush");
+    if (commit_journal(file)) return;
+    broken = true;
+    throw Error(ErrorCode::io, std::string("cannot write: ") + std::strerror(errno), path,
+                "check free space and permissions; frames written before stay readable");
+  }
 
   /// All datasets of the file, created or opened.
   void datasets(bool create) {
@@ -262,6 +270,7 @@ struct VtkHdfWriter::Impl {
     Handle p(check(H5Pcreate(H5P_FILE_ACCESS), "prepare the file"));
     // Viewers may look at a running simulation: take no exclusive lock.
     check(H5Pset_file_locking(p, false, true), "prepare the file");
+    check(use_journal(p) ? 0 : -1, "prepare the file");
     return p;
   }
 
