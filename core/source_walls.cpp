@@ -44,21 +44,10 @@ bool ClosedWalls::any() const {
 bool ClosedWalls::inside(const WallSet& walls, int wall, Vec3 x) const {
   const ClosedSurface* surface = surfaces_[static_cast<std::size_t>(wall)].get();
   if (surface == nullptr || !walls.pose(wall).active) return false;
-  std::array<Vec3, 3> shift;  // of the images of x: none, one period down and up
-  int count[3];
-  for (int k = 0; k < 3; ++k) {
-    const double length = domain_.upper[k] - domain_.lower[k];
-    shift[1][k] = -length;
-    shift[2][k] = length;
-    count[k] = domain_.periodic(k) ? 3 : 1;
+  for (int k = 0; k < walls.image_count(wall); ++k) {
+    const Vec3 c = (x - domain_.lower) - walls.image_shift(wall, k);
+    if (surface->inside(to_body(walls.pose(wall), c) + domain_.lower)) return true;
   }
-  for (int a = 0; a < count[0]; ++a)
-    for (int b = 0; b < count[1]; ++b)
-      for (int c = 0; c < count[2]; ++c) {
-        const Vec3 y = x + Vec3{shift[static_cast<std::size_t>(a)].x, shift[static_cast<std::size_t>(b)].y,
-                                shift[static_cast<std::size_t>(c)].z};
-        if (surface->inside(to_body(walls.pose(wall), y - domain_.lower) + domain_.lower)) return true;
-      }
   return false;
 }
 

@@ -267,6 +267,13 @@ bool WallSet::has_images() const noexcept {
   return false;
 }
 
+int WallSet::image_count(int wall) const { return impl_->walls.at(wall).images.count(); }
+
+Vec3 WallSet::image_shift(int wall, int image) const {
+  const WallImages& images = impl_->walls.at(wall).images;
+  return images.shift(images.image(image));
+}
+
 const std::string& WallSet::name(int wall) const { return impl_->walls.at(wall).spec.name; }
 int WallSet::material(int wall) const { return impl_->walls.at(wall).spec.material; }
 std::int64_t WallSet::element_count() const noexcept { return impl_ ? impl_->elements : 0; }

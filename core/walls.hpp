@@ -70,6 +70,9 @@ class WallSet {
   int size() const noexcept;         ///< number of walls (0: scene needs no wall arrays or nodes)
   bool any_moving() const noexcept;  ///< some wall moves, appears or vanishes at some time
   bool has_images() const noexcept;  ///< some wall can be touched through a periodic side
+  /// Images of a wall that can act in the domain, the wall itself among them, and how far each is from it [m].
+  int image_count(int wall) const;
+  Vec3 image_shift(int wall, int image) const;
   const std::string& name(int wall) const;
   int material(int wall) const;
   std::int64_t element_count() const noexcept;

@@ -225,7 +225,8 @@ constexpr SceneKey k_keys[] = {
      "true"},
     {"source", "closed_walls", T::choice, "", 0, 0, false, "both|outside|inside", "\"both\"",
      "kind=lattice|random|stream",
-     "side of closed walls (boxes and watertight meshes) on which particles are placed; both: solid or container alike, "
+     "side of closed walls (boxes and watertight meshes) on which particles are placed; both: solid or container "
+     "alike, "
      "no particle cuts a surface",
      "\"outside\""},
 
@@ -252,12 +253,13 @@ constexpr SceneKey k_keys[] = {
 
     {"wall", "name", T::text, "", 0, 0, false, "", "(wall_0, wall_1, ...)", "", "unique name", "\"gate\""},
     {"wall", "shape", T::choice, "", 0, 0, false, "plane|cylinder|cone|box|mesh", "required", "",
-     "plane, lateral surface of a cylinder or cone, closed box, or triangle mesh", "\"plane\""},
+     "plane, lateral surface of a cylinder or cone, closed box, or triangle mesh; acts through periodic sides",
+     "\"plane\""},
     {"wall", "material", T::text, "", 0, 0, false, "", "(the first material)", "", "material of the wall", "\"steel\""},
     {"wall", "point", T::vector, "m", -k_length, k_length, false, "", "[0, 0, 0]", "shape=plane|cylinder|cone",
      "a point of the plane; centre of the first end of a cylinder or cone", "[0, 0, 0.1]"},
     {"wall", "normal", T::vector, "-", -k_big, k_big, false, "", "[0, 0, 1]", "shape=plane",
-     "direction of the particles' side", "[0, 1, 1]"},
+     "direction of the particles' side; a plane must be parallel to every periodic axis", "[0, 1, 1]"},
     {"wall", "axis", T::vector, "-", -k_big, k_big, false, "", "[0, 0, 1]", "shape=cylinder|cone",
      "direction from the first end to the other", "[1, 0, 0]"},
     {"wall", "length", T::number, "m", 0, k_length, false, "", "(required)", "shape=cylinder|cone",
