@@ -39,7 +39,7 @@ Kinematics kinematics(const Pair& p, const LawArgs& a) {
 double dashpot_velocity(const Pair& p, const Kinematics& k, const LawArgs& a, double spring, double predicted) {
   if (a.recall == 0) return k.vn;
   if (predicted == 0) {
-    const bool touched_now = k.delta < -k.vn * a.dt;
+    const bool touched_now = k.delta < -k.vn * (1.25 * a.dt);
     return touched_now ? k.vn : k.vn - 0.5 * a.dt * spring / k.meff;
   }
   const Vec3 v = p.vi - p.vj;
@@ -62,10 +62,12 @@ struct Edge {
   bool any() const { return first || last; }
 };
 
-Edge edge(const Kinematics& k, const LawArgs& a) {
+Edge edge(const Kinematics& k, const LawArgs& a, double predicted) {
   Edge e;
   const double step = std::abs(k.vn) * a.dt;
-  if (a.centred == 0 || a.onset == 0 || a.start != 0 || k.delta >= step) return e;
+  const bool fresh = a.recall != 0 && predicted == 0;
+  if (a.centred == 0 || a.onset == 0 || a.start != 0) return e;
+  if (k.delta >= (fresh && k.vn <= 0 ? 1.25 * step : step)) return e;  // the normal turns within the step
   e.u = k.delta / step;
   e.first = k.vn < 0;
   e.last = k.vn > 0;
@@ -77,6 +79,13 @@ double time_slid(const Edge& e, const LawArgs& a, double predicted) {
   if (a.start != 0) return 0;
   if (e.first) return e.u * a.dt;
   return a.recall != 0 && a.onset != 0 && predicted == 0 ? 0 : a.dt;
+}
+
+/// Denominator of the centred tangential dashpot: `own` is what the pair's spring adds to the normal velocity in a
+/// step, `other` what all other forces do in half a step. At rest they cancel.
+double growth(const LawArgs& a, double full, double own, double other) {
+  if (a.centred == 0) return 1;
+  return a.recall == 0 ? 1 + full : 1 + full * std::clamp((own + 2 * other) / own, 0.0, 1.0);
 }
 
 /// Spring force [N] after a step of sliding at the limit, opposite to the unit vector `along` of the trial force:
@@ -92,20 +101,28 @@ Vec3 creep(Vec3 trial, Vec3 along, double c, double travel, double limit, double
 Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& xi, double& predicted) {
   const Kinematics k = kinematics(p, a);
   const double scale = a.by_restitution != 0 ? std::sqrt(c.kn / k.meff) : 1;
-  const Edge e = edge(k, a);
-  const double slid = time_slid(e, a, predicted), elastic = c.kn * k.delta;
+  const Edge e = edge(k, a, predicted);
+  const double elastic = c.kn * k.delta;
+  double slid = time_slid(e, a, predicted);
   double gamma_n = c.gn * scale, load = elastic;
   if (e.any()) {
     const bool counted = e.last && a.recall != 0 && predicted == 0;  // by the step before, which foresaw the end
     gamma_n *= counted ? 0 : 0.5 + e.u;
-    load *= (0.5 + e.u) * (0.5 + e.u) / (2 * e.u);
+    load *= counted ? 0 : (0.5 + e.u) * (0.5 + e.u) / (2 * e.u);
   }
-  double fn = load - gamma_n * k.meff * dashpot_velocity(p, k, a, elastic, predicted);
+  const double vd = dashpot_velocity(p, k, a, elastic, predicted);
+  double fn = load - gamma_n * k.meff * vd;
   if (a.centred != 0) fn /= 1 + 0.5 * a.dt * gamma_n;
   if (a.clip != 0) fn = std::max(fn, 0.0);
   predicted = e.last ? 0 : k.vn + a.dt * fn / k.meff;
   if (!friction) return assemble(p, k, fn, {});
-  const double ct = c.gt * k.meff, grow = a.centred != 0 ? 1 + 0.5 * 3.5 * a.dt * c.gt : 1;
+  const double ct = c.gt * k.meff, grow = growth(a, 0.5 * 3.5 * a.dt * c.gt, a.dt * elastic / k.meff, vd - k.vn);
+  bool soon = false;  // it sticks within the next step: the spring takes at once what it will have
+  if (e.first && a.balanced == 0) {
+    const double rho = ct / (c.kt * a.dt), r = norm(k.vt) * c.kt / (c.mu * c.kn * -k.vn);
+    soon = r < 1 && rho * r * (6 - r) / (6 - 4 * r) < e.u + 1;
+    if (soon) slid = a.dt * (e.u - 0.5 * rho * r / (1 - r * (2 + r) / 6));
+  }
   Vec3 spring = (-c.kt) * (xi - dot(xi, k.n) * k.n + slid * k.vt);
   Vec3 ft = (1 / grow) * (spring - ct * k.vt);
   const double limit = c.mu * (a.total != 0 ? std::max(fn, 0.0) : load), size = norm(ft);
@@ -117,9 +134,9 @@ Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool fri
     if (e.first) mean = 0.5 * cap;
     if (a.balanced != 0)
       spring = grow * ft + ct * k.vt;
-    else if (slid > 0 && (e.first || slid == a.dt))
+    else if (!soon && slid > 0)
       spring = creep(spring, along, ct, c.kt * slid, cap, mean, grow * size);
-    else
+    else if (!soon)
       spring = {};
   }
   xi = (-1 / c.kt) * spring;
@@ -132,15 +149,16 @@ Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, b
   const double reff = p.rj > 0 ? p.ri * p.rj / (p.ri + p.rj) : p.ri;
   const double contact = std::sqrt(reff * k.delta), sn = c.kn * contact, st = c.kt * contact;
   const double ct = c.gt * std::sqrt(k.meff * st), elastic = sn * k.delta;
-  const Edge e = edge(k, a);
+  const Edge e = edge(k, a, predicted);
   const double slid = time_slid(e, a, predicted);
   double cn = c.gn * std::sqrt(k.meff * sn), load = elastic;
   if (e.any()) {
     const bool counted = e.last && a.recall != 0 && predicted == 0;
     cn *= counted ? 0 : std::pow(0.5 + e.u, 1.25) / (1.25 * std::pow(e.u, 0.25));
-    load *= std::pow(0.5 + e.u, 2.5) / (2.5 * std::pow(e.u, 1.5));
+    load *= counted ? 0 : std::pow(0.5 + e.u, 2.5) / (2.5 * std::pow(e.u, 1.5));
   }
-  double fn = load - cn * dashpot_velocity(p, k, a, elastic, predicted);
+  const double vd = dashpot_velocity(p, k, a, elastic, predicted);
+  double fn = load - cn * vd;
   if (a.centred != 0) fn /= 1 + 0.5 * a.dt * cn / k.meff;
   if (a.clip != 0) fn = std::max(fn, 0.0);
   predicted = e.last ? 0 : k.vn + a.dt * fn / k.meff;
@@ -150,7 +168,7 @@ Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, b
   const double travel = slid * c.kt * (e.first ? 2.0 / 3.0 * contact : std::min(contact, 0.5 * (contact + radius)));
   ft = ft - travel * k.vt;
   radius = contact;
-  const double grow = a.centred != 0 ? 1 + 0.5 * 3.5 * a.dt * ct / k.meff : 1;
+  const double grow = growth(a, 0.5 * 3.5 * a.dt * ct / k.meff, a.dt * elastic / k.meff, vd - k.vn);
   Vec3 total = (1 / grow) * (ft - ct * k.vt);
   const double limit = c.mu * (a.total != 0 ? std::max(fn, 0.0) : load), size = norm(total);
   if (size > limit) {

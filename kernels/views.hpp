@@ -56,7 +56,7 @@ struct Block {
   const double* reff;                 ///< R* [m] where the law wants it
   const std::int32_t* pair;           ///< material pair index where there are several materials
   double (*e)[k_block + k_pad];       ///< energy terms out: elastic [J], damping loss, friction loss of this step [J]
-  /// Out of a trial (KernelTable::trial): 0 Coulomb limit [N], 1 b [m] and 2 rho [-] of CoulombLimit; r holds 0..2
+  /// Out of a trial (KernelTable::trial): 0 Coulomb limit [N], 1 b [m], 2 rho and 3 grow [-] of CoulombLimit; r holds 0..2
   /// trial tangential force [N], 3 stiffness, 4..6 normal, 7 normal force [N].
   double (*t)[k_block + k_pad];
 };
@@ -125,7 +125,7 @@ struct LimitArgs {
   double (*t)[k_block + k_pad];  ///< see Block::t
   const double* lever;           ///< Block::g[3], or null: levers are the radii
   double* h[3];                  ///< tangential spring [m]
-  double back;                   ///< spring per limited force [m/N]
+  double back;                   ///< 1/k_t [m/N]
 };
 
 /// Relative spin of a block's contacts, for laws with rolling or twisting.

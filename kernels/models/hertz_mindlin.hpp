@@ -75,24 +75,25 @@ void hertz_force(Block& block, const LawArgs& args) {
     B vd = vn;
     if (a.recall != 0) vd = dashpot_velocity<S>(vn, mid_normal, S::load(b.h_in[k_recall] + k), fn, ms, delta, a.dt);
     const B elastic = fn, step = S::abs(vn) * dt;
-    const auto brief = S::lt(delta, step), approaches = S::lt(vn, zero);
-    const bool weighed = !Adhesive && a.centred != 0 && a.onset != 0 && a.start == 0 && S::any(brief);
-    B load = elastic, weight = one, counted = one;  // as in the linear law
+    const auto approaches = S::lt(vn, zero);
+    B load = elastic, weight = one, counted = one, reach = step;  // as in the linear law
     B slid = a.start != 0 ? zero : dt;
-    if (Friction && a.recall != 0 && a.onset != 0) {
+    if (a.recall != 0 && a.onset != 0) {
       const auto fresh = lacks_prediction<S>(S::load(b.h_in[k_recall] + k));
-      if (S::any(fresh)) slid = S::select(fresh, zero, slid);
+      if (S::any(fresh)) {
+        slid = S::select(fresh, zero, slid);
+        reach = S::select(fresh, S::select(approaches, S::set(k_first_step) * step, step), step);
+        if (!Adhesive)
+          counted = S::select(fresh, S::select(S::gt(vn, zero), S::select(S::lt(delta, step), zero, one), one), one);
+      }
     }
+    const auto brief = S::lt(delta, reach);
+    const bool weighed = !Adhesive && a.centred != 0 && a.onset != 0 && a.start == 0 && S::any(brief);
     if (weighed) {
       const B u = delta / step, q = half + u, root = S::sqrt(q / u);
-      load = S::select(brief, (two_fifths * sn) * (step * ((q * q) * root)), elastic);
-      weight = S::select(brief, S::set(0.8) * (q * S::sqrt(root)), one);
+      load = S::select(brief, ((two_fifths * sn) * (step * ((q * q) * root))) * counted, elastic);
+      weight = S::select(brief, (S::set(0.8) * (q * S::sqrt(root))) * counted, one);
       slid = S::select(brief, S::select(approaches, dt * u, slid), slid);
-      if (a.recall != 0) {
-        const auto fresh = lacks_prediction<S>(S::load(b.h_in[k_recall] + k));
-        counted = S::select(brief, S::select(S::gt(vn, zero), S::select(fresh, zero, one), one), one);
-        weight = weight * counted;
-      }
     }
     const B cw = cn * weight;
     fn = load - cw * vd;
@@ -144,8 +145,10 @@ void hertz_force(Block& block, const LawArgs& args) {
       const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
       const B before = S::select(S::gt(last, zero), ((h[0] * h[0] + h[1] * h[1]) + h[2] * h[2]) / last, zero);
       const B rescale = S::select(S::lt(radius, last), radius / last, one);
-      const B shrink = a.centred != 0 ? one / (one + hdt_t * (ct * ms)) : one;
-      const B mean = half * (radius + last);
+      B grow = one;
+      if (a.centred != 0) grow = one + hdt_t * (ct * ms);
+      if (a.recall != 0) grow = tangential_growth<S>(hdt_t * (ct * ms), (elastic * ms) * dt, vd - vn);
+      const B shrink = one / grow, mean = half * (radius + last);
       B moved = S::select(S::lt(mean, radius), mean, radius);
       if (weighed)  // the radius has grown as the root of the time since touch
         moved = S::select(brief, S::select(approaches, S::set(2.0 / 3.0) * radius, moved), moved);
@@ -176,7 +179,7 @@ void hertz_force(Block& block, const LawArgs& args) {
         inv_g = both * whole;
         const B share = both * size, scale = S::select(slides, limit * inv_g, one);
         const B creep = travelled * (ct * mean_cap + half * (travelled * cap));
-        const B keep = memory * share, pull = (creep - (ct * travelled) * (size / shrink)) * both;
+        const B keep = memory * share, pull = (creep - (ct * travelled) * (size * grow)) * both;
         for (int q = 0; q < 3; ++q) {
           h[q] = S::select(slides, keep * h[q] + pull * g[q], h[q]);
           g[q] = g[q] * scale;

@@ -91,6 +91,10 @@ struct MidNormal {
   }
 };
 
+/// Overlap of a contact that has touched within the step, over |v_n| dt, at most: the normal turns within the step, so
+/// that the velocity along it may be a little less than what has closed the gap.
+inline constexpr double k_first_step = 1.25;
+
 /// Contacts that are new, or that part.
 template <class S>
 TALUS_INLINE auto lacks_prediction(typename S::B q) {
@@ -112,7 +116,7 @@ TALUS_INLINE typename S::B dashpot_velocity(typename S::B vn, const MidNormal<S>
   auto u = mid.along + half * ((vn - q) + mid.stretch);
   const auto fresh = lacks_prediction<S>(q);
   if (S::any(fresh)) {
-    const auto touched = S::lt(delta, (zero - vn) * S::set(dt));
+    const auto touched = S::lt(delta, (zero - vn) * S::set(k_first_step * dt));
     u = S::select(fresh, S::select(touched, vn, vn - S::set(0.5 * dt) * (spring * inverse_mass)), u);
   }
   return u;
@@ -138,63 +142,96 @@ TALUS_INLINE typename S::B over_root(typename S::B a, typename S::B b) {
     return a / S::sqrt(b);
 }
 
-/// Coulomb: the factor that brings a trial force g to the limit, and the spring that is left, xi = spring xi - pull g.
-/// rho = gamma m_eff/(k dt), b = (rho L(n-1/2) + L/2)/k, back = spring per trial force. No branch: some of eight
-/// contacts slide often enough that mispredictions cost more than the arithmetic. One division serves both.
+/// Coulomb: the factor that brings a trial force g, before its denominator `grow`, to the force, and the spring that is
+/// left, xi = spring xi - pull g. rho = gamma m_eff/(k dt), b = (rho L(n-1/2) + L/2)/k, soft = 1/k. No branch: some of
+/// eight contacts slide often enough that mispredictions cost more than the arithmetic. One division serves all.
 template <class S>
 struct CoulombLimit {
   typename S::M slides;
-  typename S::B scale, spring, pull, inv_g;
-  TALUS_INLINE void set(const typename S::B* g, typename S::B limit, typename S::B rho, typename S::B b,
-                        typename S::B back) {
+  typename S::B scale, spring, pull;
+  TALUS_INLINE void set(const typename S::B* g, typename S::B limit, typename S::B grow, typename S::B rho,
+                        typename S::B b, typename S::B soft) {
     const auto one = S::set(1.0), g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
-    const auto memory = rho * (rho + one), whole = memory + S::set(0.5);
-    typename S::B size, both, share;
+    const auto memory = rho * (rho + one), whole = memory + S::set(0.5), most = limit * grow;
+    typename S::B size, inv_g, both, share, shrink;
     if constexpr (S::fast) {
       inv_g = S::inverse_sqrt(g2);
       size = g2 * inv_g;
       share = S::inverse(whole);
+      shrink = S::inverse(grow);
       both = share * inv_g;
     } else {
-      size = S::sqrt(g2);
-      both = one / (size * whole);
-      inv_g = both * whole;
-      share = both * size;
+      const auto some = S::select(S::gt(g2, S::set(1e-300)), g2, one);  // no force: its direction does not matter
+      size = S::sqrt(some);
+      const auto rest = whole * grow, all = one / (size * rest), q = all * size;
+      inv_g = all * rest;
+      share = q * grow;
+      shrink = q * whole;
+      both = all * grow;
     }
-    slides = S::gt(g2, limit * limit);
-    scale = S::select(slides, limit * inv_g, one);
+    slides = S::gt(g2, most * most);
+    scale = S::select(slides, limit * inv_g, shrink);
     spring = memory * share;
-    pull = (b - (rho * back) * size) * both;
+    pull = (b - (rho * soft) * size) * both;
   }
 };
+
+/// First step of a contact that sticks before long. Where the spring is slower than the limit, r = k |v_t|/L' < 1 with
+/// L' = mu k_n |v_n|, the dashpot holds against the limit until t_1 = -ln(1 - r) rho dt after touch, and the spring
+/// loses rho dt (r + (1 - r) ln(1 - r))/r of the way; both as rational functions. Where t_1 comes within the next step,
+/// steps do not resolve that: the spring takes at once what it will have, and stays out of the limit's way (rho).
+template <class S>
+TALUS_INLINE void stick_soon(const typename S::B* t, typename S::B rho, typename S::B u, typename S::B rise,
+                             typename S::B dt, typename S::B& slid, typename S::B& keeps, typename S::B& share) {
+  const auto one = S::set(1.0), six = S::set(6.0);
+  const auto r = S::sqrt((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]) / rise;
+  const auto until = ((rho * r) * (six - r)) / (six - S::set(4.0) * r);
+  const auto lost = (S::set(0.5) * (rho * r)) / (one - (r * (S::set(2.0) + r)) * S::set(1.0 / 6.0));
+  const auto pick = [&](typename S::B& to, typename S::B value) {
+    to = S::select(S::lt(r, one), S::select(S::lt(until, u + one), value, to), to);
+  };
+  pick(slid, dt * (u - lost));
+  pick(keeps, S::set(1e30));
+  pick(share, S::set(0.0));
+}
+
+/// What the centred dashpot's denominator in tangential direction counts: 1 + 7/4 gamma dt in a free impact, where all
+/// acceleration is the pair's own (7/2: tangential compliance of two rolling spheres, I = 2/5 m r^2, lever r, over the
+/// translational one), nothing at rest, where the other forces cancel it. The share in between is that of the normal
+/// direction, whose acceleration by other forces dashpot_velocity() knows: `other` times dt/2. So it is of second order
+/// in impacts and exact at rest; between the two an error of at most 7/4 gamma dt times the force is left.
+template <class S>
+TALUS_INLINE typename S::B tangential_growth(typename S::B full, typename S::B own, typename S::B other) {
+  const auto zero = S::set(0.0), one = S::set(1.0);
+  auto left = own + (other + other);
+  left = S::select(S::gt(left, zero), S::select(S::lt(left, own), left, own), zero);
+  return one + full * S::select(S::gt(own, zero), left / own, one);
+}
 
 /// Denominators of the centred dashpot and what else depends on the coefficients alone; loop-invariant where the scene
 /// has one material pair and damping rates, because divisions and square roots are what bounds this kernel.
 template <class S>
 struct LinearFactors {
-  typename S::B gn, gt, back, soft;                  ///< soft: 1/k_t
-  typename S::B relax, cap;                          ///< rho over m_eff [1/kg]; Coulomb limit over k_t delta [-]
-  typename S::B spring_n, rate_n, spring_t, rate_t;  ///< stiffnesses and rates over their denominators
+  typename S::B gn, gt, soft;      ///< rates; 1/k_t
+  typename S::B relax, cap;        ///< rho over m_eff [1/kg]; Coulomb limit over k_t delta [-]
+  typename S::B spring_n, rate_n;  ///< stiffness and rate over their denominator
+  typename S::B full;              ///< 7/4 gamma_t dt
   TALUS_INLINE void set(typename S::B kn, typename S::B kt, typename S::B mu, typename S::B damping_n,
                         typename S::B damping_t, const LawArgs& a) {
     const auto one = S::set(1.0), zero = S::set(0.0);
-    // Tangential compliance of two rolling spheres is 7/2 of the translational one (I = 2/5 m r^2, lever r).
-    const auto grow_n = one + S::set(0.5 * a.dt) * damping_n, grow_t = one + S::set(0.5 * 3.5 * a.dt) * damping_t;
-    const auto shrink_n = a.centred != 0 ? one / grow_n : one, shrink_t = a.centred != 0 ? one / grow_t : one;
+    const auto grow_n = one + S::set(0.5 * a.dt) * damping_n, shrink_n = a.centred != 0 ? one / grow_n : one;
     gn = damping_n;
     gt = damping_t;
     spring_n = kn * shrink_n;
     rate_n = gn * shrink_n;
-    spring_t = kt * shrink_t;
-    rate_t = gt * shrink_t;
+    full = a.centred != 0 ? S::set(0.5 * 3.5 * a.dt) * gt : zero;
     soft = S::select(S::gt(kt, zero), one / kt, zero);  // no spring: nothing to remember
-    back = a.centred != 0 ? grow_t * soft : soft;
     relax = gt * (soft * S::set(1 / a.dt));
     cap = mu * (kn * soft);
   }
 };
 
-/// Trial: stops before the Coulomb limit and leaves its input (Block::t). Returns 1/(k_t shrink) of one material pair.
+/// Trial: stops before the Coulomb limit and leaves its input (Block::t). Returns 1/k_t of one material pair.
 template <class S, bool Friction, bool Multi, bool Energy, bool Trial>
 double linear_force(Block& block, const LawArgs& args) {
   using B = typename S::B;
@@ -229,25 +266,32 @@ double linear_force(Block& block, const LawArgs& args) {
       vd = dashpot_velocity<S>(vn, mid, S::load(b.h_in[k_recall] + k), spring_force, S::load(b.r[k_mass] + k), delta,
                                a.dt);
     const B step = S::abs(vn) * dt;
-    const auto brief = S::lt(delta, step);
     const auto leaves = S::gt(vn, zero);
-    B slid = a.start != 0 ? zero : dt;  // how long the tangential spring has moved with the spheres
-    B rho = meff * f.relax, share;      // see CoulombLimit: b = share L/k + rho (L(n-1/2) - L)/k
-    B counted = one;                    // 0: the last step has counted the dashpot to the end
-    B load = spring_force;              // what the spring does on average over the step
+    B slid = a.start != 0 ? zero : dt;    // how long the tangential spring has moved with the spheres
+    B rho = meff * f.relax, share = rho;  // see CoulombLimit: b = share L/k + rho (L(n-1/2) - L)/k
+    B counted = one;                      // 0: the last step has counted the contact to its end
+    B load = spring_force;                // what the spring does on average over the step
     B fn = f.spring_n * delta - f.rate_n * (meff * vd);
+    B reach = step;
     if constexpr (Friction) {
       share = rho + half;
       if (a.start != 0) rho = share = zero;
-      if (a.recall != 0 && a.onset != 0) {
-        const auto fresh = lacks_prediction<S>(S::load(b.h_in[k_recall] + k));
-        if (S::any(fresh)) {  // they have not slid yet, unless they have touched within the step
+    }
+    if (a.recall != 0 && a.onset != 0) {
+      const auto fresh = lacks_prediction<S>(S::load(b.h_in[k_recall] + k));
+      if (S::any(fresh)) {  // they have not slid yet, unless they have touched within the step
+        reach = S::select(fresh, S::select(leaves, step, S::set(k_first_step) * step), step);
+        // The dashpot slows a parting pair, which may so touch once more, by less than a step; the step before, told by
+        // its lack of a prediction, has counted that. Without this 0.6 dt/t_c of all phases have an error of order dt.
+        counted = S::select(fresh, S::select(leaves, S::select(S::lt(delta, step), zero, one), one), one);
+        if constexpr (Friction) {
           slid = S::select(fresh, zero, slid);
           rho = S::select(fresh, zero, rho);
           share = S::select(fresh, zero, share);
         }
       }
     }
+    const auto brief = S::lt(delta, reach);
     // a contact that would pull exerts nothing until it parts
     const auto clip = [&] {
       if (a.clip != 0) fn = S::select(S::gt(fn, zero), fn, zero);
@@ -258,15 +302,8 @@ double linear_force(Block& block, const LawArgs& args) {
     if (a.centred != 0 && a.onset != 0 && a.start == 0 && S::any(brief)) {
       // the other lanes keep their bits: how many share a vector depends on the instruction set
       const B u = delta / step, q = half + u;
-      load = S::select(brief, (half * c.kn) * (step * (q * q)), load);
-      B weight = S::select(brief, q, one);
-      if (a.recall != 0) {
-        // The dashpot slows a parting pair, which may so touch once more, by less than a step; the step before, told by
-        // its lack of a prediction, has counted that. Without this 0.6 dt/t_c of all phases have an error of order dt.
-        const auto fresh = lacks_prediction<S>(S::load(b.h_in[k_recall] + k));
-        counted = S::select(brief, S::select(leaves, S::select(fresh, zero, one), one), one);
-        weight = weight * counted;
-      }
+      load = S::select(brief, ((half * c.kn) * (step * (q * q))) * counted, load);
+      const B weight = S::select(brief, q * counted, one);
       if constexpr (Friction) {
         // first step: the limit has grown from nothing for u dt, the spring was empty
         const B r = meff * f.relax, grown = (half * u) * (r + u), whole = r * (r + u) + half * (u * u);
@@ -305,13 +342,21 @@ double linear_force(Block& block, const LawArgs& args) {
       const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
       B t[3];
       tangential_velocity<S>(v, s, mid, t);
+      if (a.balanced == 0 && a.centred != 0 && a.onset != 0 && a.start == 0 && S::any(brief)) {
+        const auto sticks = [&](B& to, B value) { to = S::select(brief, S::select(leaves, to, value), to); };
+        B lost = slid, keeps = rho, none = share;
+        stick_soon<S>(t, meff * f.relax, delta / step, f.cap * S::abs(vn), dt, lost, keeps, none);
+        sticks(slid, lost);
+        sticks(rho, keeps);
+        sticks(share, none);
+      }
       B h[3] = {S::load(b.h_in[0] + k), S::load(b.h_in[1] + k), S::load(b.h_in[2] + k)};
       const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
-      const B rate = f.rate_t * meff;
+      const B damping = f.gt * meff;
       B g[3], trial[3];
       for (int p = 0; p < 3; ++p) {
         h[p] = trial[p] = (h[p] - hn * n[p]) + t[p] * slid;
-        g[p] = zero - (f.spring_t * h[p] + rate * t[p]);
+        g[p] = zero - (c.kt * h[p] + damping * t[p]);
       }
       B press = load, creep = share * (f.cap * delta) + (rho * f.cap) * (hdt * vn);
       if (a.total != 0) {
@@ -319,6 +364,9 @@ double linear_force(Block& block, const LawArgs& args) {
         creep = share * ((c.mu * press) * f.soft);
       }
       const B limit = c.mu * press;
+      const B grow = a.recall != 0
+                         ? tangential_growth<S>(f.full, (spring_force * S::load(b.r[k_mass] + k)) * dt, vd - vn)
+                         : one + f.full;
       if constexpr (Trial) {
         for (int p = 0; p < 3; ++p) {
           S::store(b.h[p] + k, h[p]);
@@ -330,13 +378,14 @@ double linear_force(Block& block, const LawArgs& args) {
         S::store(b.t[0] + k, limit);
         S::store(b.t[1] + k, creep);
         S::store(b.t[2] + k, rho);
+        S::store(b.t[3] + k, grow);
         continue;
       }
       CoulombLimit<S> coulomb;
-      coulomb.set(g, limit, rho, creep, f.back);
+      coulomb.set(g, limit, grow, rho, creep, f.soft);
       for (int p = 0; p < 3; ++p) {
         const B left = a.balanced == 0 ? coulomb.spring * h[p] - coulomb.pull * g[p]
-                                       : zero - (g[p] * coulomb.scale + rate * t[p]) * f.back;
+                                       : zero - ((g[p] * coulomb.scale) * grow + damping * t[p]) * f.soft;
         h[p] = S::select(coulomb.slides, left, h[p]);
         g[p] = g[p] * coulomb.scale;
       }
@@ -382,7 +431,7 @@ double linear_force(Block& block, const LawArgs& args) {
   }
   if constexpr (!Trial) return 0;
   double back[S::W];
-  S::store(back, shared.back);
+  S::store(back, shared.soft);
   return back[0];
 }
 
@@ -408,7 +457,7 @@ void scatter_limited(const LimitArgs& args) {
     const B n[3] = {S::load(a.to.r[4] + k), S::load(a.to.r[5] + k), S::load(a.to.r[6] + k)};
     const B fn = S::load(a.to.r[7] + k), lever = a.lever != nullptr ? S::load(a.lever + k) : one;
     CoulombLimit<S> coulomb;
-    coulomb.set(g, S::load(a.t[0] + k), S::load(a.t[2] + k), S::load(a.t[1] + k), back);
+    coulomb.set(g, S::load(a.t[0] + k), S::load(a.t[3] + k), S::load(a.t[2] + k), S::load(a.t[1] + k), back);
     B r[8], f[3];
     for (int p = 0; p < 3; ++p) {
       const B h = S::load(a.h[p] + k);

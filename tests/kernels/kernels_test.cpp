@@ -74,7 +74,7 @@ Batch make_batch(int n, bool rotation, std::uint64_t seed) {
     // 0: new to the law, which then looks whether it has touched just now
     b.predicted.push_back(k % 4 == 0 ? 0.0 : u());
     b.radius.push_back(k % 3 == 0 ? 0.0 : 0.1 * (1 + 0.9 * u()));
-    if (delta < -1e-3 * dot(t.vi - t.vj, dir)) {  // has touched within the step: nothing is stored yet
+    if (delta < -1.25e-3 * dot(t.vi - t.vj, dir)) {  // has touched within the step: nothing is stored yet
       b.history.back() = {};
       b.radius.back() = b.predicted.back() = 0;
     }
@@ -96,7 +96,7 @@ int recall_column(const LawInfo& law, bool friction) { return friction ? law.his
 /// A gathered block with its history, ready for a law.
 struct ReadyBlock {
   alignas(64) double x[4][k_block + k_pad], geo[4][k_block + k_pad],
-      r[8][k_block + k_pad] = {}, e[3][k_block + k_pad], t[3][k_block + k_pad] = {}, reff[k_block + k_pad];
+      r[8][k_block + k_pad] = {}, e[3][k_block + k_pad], t[4][k_block + k_pad] = {}, reff[k_block + k_pad];
   alignas(64) std::int32_t pair[k_block + k_pad] = {};
   Column<double> h[k_max_history];
   Block block{};
