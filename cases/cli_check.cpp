@@ -16,6 +16,7 @@
 #include "core/insertion.hpp"
 #include "core/memory.hpp"
 #include "core/source_notes.hpp"
+#include "core/text.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus::cli {
@@ -160,6 +161,17 @@ int check(const Options& options) {
     j.add("ns_per_particle_step", 1e9 * advice.cost.per_particle_step).add("measured_steps", advice.cost.steps);
     j.add("contacts_per_particle", advice.cost.contacts).add("threads", plan.threads);
     j.add("failure", advice.cost.failure).end_object();
+    j.begin_array("meshes");
+    for (const auto& [wall, r] : simulation.meshes()) {
+      j.begin_object().add("wall", wall).add("file", r.file).add("facets", r.facets_read - r.dropped());
+      j.add("facets_read", r.facets_read).add("degenerate", r.degenerate).add("duplicate", r.duplicate);
+      j.add("open_edges", r.open_edges).add("forked_edges", r.forked_edges).add("flipped", r.flipped);
+      j.add("parts", r.parts).add("watertight", r.watertight).add("volume", r.watertight ? r.volume : NAN);
+      j.begin_array("lower").add("", r.lower.x).add("", r.lower.y).add("", r.lower.z).end_array();
+      j.begin_array("upper").add("", r.upper.x).add("", r.upper.y).add("", r.upper.z).end_array();
+      j.add("rounding", r.rounding).end_object();
+    }
+    j.end_array();
     j.begin_array("warnings");
     for (const Warning& w : simulation.warnings()) j.add("", w.text);
     for (const std::string& note : later) j.add("", note);
@@ -175,6 +187,8 @@ int check(const Options& options) {
   put("  law         {}\n", plan.law);
   put("  memory      about {} ({:.0f} B per particle; {} by the {})\n", human_bytes(memory), plan.bytes_per_particle,
       human_bytes(room), left.by);
+  for (const auto& [wall, report] : simulation.meshes())
+    put("  mesh        wall \"{}\", {}: {}\n", shown(wall), shown(report.file), describe(report));
   put("  time step\n{}", time_step_text(step));
   put("  advice\n    time step  {}\n    stiffness  {}\n    verlet_k   {}\n", step_text(scene, advice.step),
       soft_text(scene, advice.soft), k_text(scene, advice));

@@ -17,6 +17,7 @@
 #include "cases/cli_summary.hpp"
 #include "cases/cli_timestep.hpp"
 #include "cases/progress.hpp"
+#include "core/text.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus::cli {
@@ -215,6 +216,9 @@ int run(const Options& options) {
 
   // From here on the scene is known to be good: only now may something appear on disk.
   const RunFolder folder = open_folder(options, start);
+  if (!options.quiet)
+    for (const auto& [wall, report] : simulation->meshes())
+      tell("talus: wall \"{}\", mesh {}: {}\n", shown(wall), shown(report.file), describe(report));
   RunOutputs outputs(folder, *simulation, start.checkpoint ? &*start.checkpoint : nullptr, start.own.has_value(),
                      options.checkpoint_every, scene_record(start.scene));
   Progress progress(stderr, Progress::style_for(stderr, options.quiet), first, scene.steps);

@@ -68,6 +68,7 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   }
   for (const Warning& w : simulation.warnings())
     s.warnings.push_back({w.kind, w.text, w.first_step, w.count, w.worst, w.level});
+  s.meshes = simulation.meshes();
   s.state_hash = simulation.state_hash();
   return s;
 }

@@ -201,7 +201,7 @@ void load_region(Region& g, const std::string& directory, const std::string& whe
   const std::filesystem::path file(g.file);
   const auto path = file.is_absolute() ? file : std::filesystem::path(directory) / file;
   try {
-    g.surface = std::make_shared<const ClosedSurface>(read_mesh(path.string(), g.scale, g.shift, 0));
+    g.surface = std::make_shared<const ClosedSurface>(read_mesh(path.string(), {g.scale, g.shift, {}}, 0));
   } catch (const Error& e) {
     throw Error(e.code(), e.what(), where);
   }

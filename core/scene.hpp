@@ -174,7 +174,7 @@ struct WallMotion {
 
 /// plane: point, normal (pointing to the particle side; two-sided contact). cylinder: lateral surface between `point`
 /// and `point + length*axis`, radius. cone: radius at point, radius_end at the other end. box: six faces as a closed
-/// surface, lower/upper. mesh: file (STL, OBJ, PLY) scaled and shifted.
+/// surface, lower/upper. mesh: file (STL, OBJ, PLY) scaled and shifted, then seen from `corner`.
 struct WallSpec {
   std::string name;
   WallShape shape = WallShape::plane;
@@ -186,6 +186,7 @@ struct WallSpec {
   std::string file;
   double scale = 1;
   Vec3 shift;
+  Vec3 corner;  ///< of the frame of the stored positions (in_stored_frame); not a key of the scene
   WallMotion motion;
   double appear = 0, vanish = k_never;  ///< the wall acts within [appear, vanish) [s]
 };

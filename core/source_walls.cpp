@@ -19,7 +19,7 @@ std::unique_ptr<const ClosedSurface> closed_surface(const Scene& scene, const Wa
   } else if (w.shape == WallShape::mesh) {
     const std::filesystem::path file(w.file);
     const auto path = file.is_absolute() ? file : std::filesystem::path(scene.directory) / file;
-    mesh = read_mesh(path.string(), w.scale, w.shift, 0);
+    mesh = read_mesh(path.string(), {w.scale, w.shift, {}}, 0);
     if (mesh.report.open_edges > 0) return nullptr;
   } else {
     return nullptr;

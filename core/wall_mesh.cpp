@@ -2,18 +2,41 @@
 #include "core/wall_mesh.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
 namespace talus {
 
-double coplanarity(const Mesh& mesh) {
-  double size = 0;
+namespace {
+
+double farthest(Vec3 v) { return fmax2(std::fabs(v.x), fmax2(std::fabs(v.y), std::fabs(v.z))); }
+
+/// True if the facet lies in the plane as far as the file tells where its vertices are; never by more than a thousandth
+/// of the facet's length, however coarse the file.
+bool lies_in_plane(const Mesh& mesh, const TriangleElement& plane, const TriangleElement& facet) {
+  double known = 0, length2 = 0;
+  for (const Vec3 v : plane.v) known = fmax2(known, mesh.rounding_at(v));
   for (int k = 0; k < 3; ++k) {
-    size = fmax2(size, mesh.report.upper[k] < 0 ? -mesh.report.upper[k] : mesh.report.upper[k]);
-    size = fmax2(size, mesh.report.lower[k] < 0 ? -mesh.report.lower[k] : mesh.report.lower[k]);
+    known = fmax2(known, mesh.rounding_at(facet.v[k]));
+    length2 = fmax2(length2, norm2(facet.v[k] - facet.v[(k + 1) % 3]));
   }
-  return 2 * mesh.report.rounding + 0x1p-50 * size;
+  const double tolerance = fmin2(2 * known, 1e-3 * std::sqrt(length2));
+  for (const Vec3 v : facet.v)
+    if (!(std::fabs(plane_distance(plane, v)) <= tolerance + 0x1p-50 * farthest(v))) return false;
+  return true;
+}
+
+}  // namespace
+
+double flatness(std::span<const TriangleElement> facets) {
+  double off = 0, size = 0;
+  for (const TriangleElement& t : facets)
+    for (const Vec3 v : t.v) {
+      off = fmax2(off, std::fabs(plane_distance(t, v)));
+      size = fmax2(size, farthest(v));
+    }
+  return off + 0x1p-50 * size;
 }
 
 std::vector<TriangleElement> make_facets(const Mesh& mesh) {
@@ -43,7 +66,6 @@ std::vector<TriangleElement> make_facets(const Mesh& mesh) {
   std::iota(seeds.begin(), seeds.end(), 0);
   std::stable_sort(seeds.begin(), seeds.end(), [&](std::int32_t a, std::int32_t b) { return area[a] > area[b]; });
   std::vector<char> assigned(n, 0);
-  const double tolerance = coplanarity(mesh);
   for (const std::int32_t seed : seeds) {
     if (assigned[seed]) continue;
     assigned[seed] = 1;
@@ -52,12 +74,7 @@ std::vector<TriangleElement> make_facets(const Mesh& mesh) {
       for (std::size_t l = start[patch[k]]; l < start[patch[k] + 1]; ++l) {
         TriangleElement& t = out[links[l].second];
         if (assigned[links[l].second]) continue;
-        bool coplanar = true;
-        for (const Vec3 v : t.v) {
-          const double off = plane_distance(out[seed], v);
-          coplanar = coplanar && off <= tolerance && -off <= tolerance;
-        }
-        if (!coplanar) continue;
+        if (!lies_in_plane(mesh, out[seed], t)) continue;
         assigned[links[l].second] = 1;
         t.point = out[seed].point;
         if (dot(t.normal, out[seed].normal) < 0) std::swap(t.v[1], t.v[2]);

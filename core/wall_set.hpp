@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/facet_grid.hpp"
+#include "core/io/mesh_file.hpp"
 #include "core/wall_elements.hpp"
 #include "core/wall_images.hpp"
 #include "core/walls.hpp"
@@ -25,6 +26,7 @@ struct Wall {
   std::int32_t first_code = 0, end_code = 0;
   WallImages images;
   std::variant<PlaneElement, FrustumElement, FacetMesh> shape;
+  MeshReport report;            ///< of mesh walls
   double slack = 0;             ///< vertices lie this near to their facet's plane [m]
   double extent = 0;            ///< largest body coordinate, for rounding bounds [m]
   std::array<Vec3, 8> corners;  ///< body box around the elements (planes: see travelled)

@@ -109,7 +109,7 @@ Wall WallSet::Impl::build(const Scene& scene, const WallSpec& spec, double max_r
   auto add_mesh = [&](const Mesh& mesh) {
     FacetMesh f;
     f.facets = make_facets(mesh);
-    w.slack = coplanarity(mesh);
+    w.slack = flatness(f.facets);
     f.grid = FacetGrid(f.facets, max_reach, w.slack);
     if (usual_reach > 0 && usual_reach < max_reach) f.usual_grid = FacetGrid(f.facets, usual_reach, w.slack);
     w.count = static_cast<std::int32_t>(f.facets.size());
@@ -147,16 +147,17 @@ Wall WallSet::Impl::build(const Scene& scene, const WallSpec& spec, double max_r
     case WallShape::mesh: {
       const std::filesystem::path file(spec.file);
       const auto path = file.is_absolute() ? file : std::filesystem::path(scene.directory) / file;
-      const Mesh mesh = read_mesh(path.string(), spec.scale, spec.shift, largest_diameter);
+      const Mesh mesh = read_mesh(path.string(), {spec.scale, spec.shift, spec.corner}, largest_diameter);
       const MeshReport& r = mesh.report;
       for (int k = 0; k < 3 && !w.moves; ++k)
         require(
             scene.domain.periodic(k) || (r.lower[k] <= scene.domain.upper[k] && r.upper[k] >= scene.domain.lower[k]),
             spec,
-            fmt::format("mesh {} lies outside the domain: {} from {:.4g} to {:.4g} m", r.file, "xyz"[k], r.lower[k],
-                        r.upper[k]),
+            fmt::format("mesh {} lies outside the domain: {} from {:.4g} to {:.4g} m", r.file, "xyz"[k],
+                        r.lower[k] + spec.corner[k], r.upper[k] + spec.corner[k]),
             "check wall.scale and wall.shift: a file in mm needs scale = 0.001");
       add_mesh(mesh);
+      w.report = mesh.report;
       break;
     }
   }
@@ -280,6 +281,19 @@ std::int64_t WallSet::element_count() const noexcept { return impl_ ? impl_->ele
 const WallPose& WallSet::pose(int wall) const { return impl_->walls.at(wall).pose; }
 double WallSet::skin(int wall) const { return impl_->walls.at(wall).skin; }
 
+std::vector<std::pair<std::string, MeshReport>> WallSet::meshes() const {
+  std::vector<std::pair<std::string, MeshReport>> all;
+  for (int k = 0; k < size(); ++k) {
+    const Wall& w = impl_->walls[k];
+    if (w.spec.shape != WallShape::mesh) continue;
+    MeshReport r = w.report;
+    r.lower = r.lower + w.spec.corner;
+    r.upper = r.upper + w.spec.corner;
+    all.emplace_back(w.spec.name, std::move(r));
+  }
+  return all;
+}
+
 std::size_t WallSet::bytes() const noexcept {
   std::size_t sum = 0;
   for (int k = 0; k < size(); ++k) {
@@ -371,8 +385,10 @@ Scene in_stored_frame(const Scene& scene) {
   Scene local = scene;
   local.domain.lower = {};
   local.domain.upper = scene.domain.upper - scene.domain.lower;
-  for (WallSpec& s : local.walls)
-    for (Vec3* at : {&s.point, &s.lower, &s.upper, &s.shift, &s.motion.rotation_origin}) *at = *at - scene.domain.lower;
+  for (WallSpec& s : local.walls) {
+    for (Vec3* at : {&s.point, &s.lower, &s.upper, &s.motion.rotation_origin}) *at = *at - scene.domain.lower;
+    s.corner = scene.domain.lower;  // taken off the shifted coordinates, so that large shifts lose nothing
+  }
   return local;
 }
 

@@ -13,12 +13,15 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/scene.hpp"
 #include "core/types.hpp"
 
 namespace talus {
+
+struct MeshReport;  // core/io/mesh_file.hpp
 
 /// Pose of one wall at one step: x_world = rotation * (x_body - origin) + origin + translation.
 struct WallPose {
@@ -77,6 +80,8 @@ class WallSet {
   int material(int wall) const;
   std::int64_t element_count() const noexcept;
   std::size_t bytes() const noexcept;
+  /// Name and what was found of every mesh wall; bounds in the frame of the scene.
+  std::vector<std::pair<std::string, MeshReport>> meshes() const;
 
   /// Sets the pose of every wall to step n: positions at t_n = n*dt, velocities such that the displacement over the
   /// step [n-1, n] equals velocity*dt (mid-step velocity, consistent with leapfrog particle velocities).

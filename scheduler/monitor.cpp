@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "core/source_notes.hpp"
+#include "core/text.hpp"
 #include "scheduler/parallel.hpp"
 #include "scheduler/world.hpp"
 
@@ -105,6 +106,13 @@ void warn_of_extent(World& w) {
                                             "helps",
                                             widest / w.r_min, 1.1e-16 * widest / (1e-3 * w.r_min)),
                                 w.step, 1, widest / w.r_min, 1e6});
+}
+
+void warn_of_meshes(World& w) {
+  for (const auto& [name, report] : w.walls.meshes())
+    if (const std::string text = doubts(report, w.r_min); !text.empty())
+      w.monitor.warnings.push_back(
+          {"mesh", fmt::format("wall \"{}\", mesh {}: {}", shown(name), shown(report.file), text), w.step, 1, 1, 0});
 }
 
 void observe_chunk(World& w, Chunk& c) {

@@ -45,6 +45,8 @@ void warn_of_extent(World& w);
 void warn_of_sources(World& w);
 /// Warns of streams that could not place all that was due in the batch of this step.
 void warn_of_shortfalls(World& w);
+/// Warns at construction of meshes with defects, or known less well than the grains need.
+void warn_of_meshes(World& w);
 /// Fills c.extremes from the step that has just been integrated; p, v2, scratch and wall contacts of the chunk.
 void observe_chunk(World& w, Chunk& c);
 /// Warnings and stops of the last step. Error{physics}.

@@ -238,6 +238,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options) : impl_(st
   for (const std::string& note : w.insertion->notes())
     w.monitor.warnings.push_back({"particle_file", note, 0, 1, 0, 0});
   warn_of_sources(w);
+  warn_of_meshes(w);
   choose_chunk(w);
   w.chunk_of = ChunkMap(w.chunk_size);
   make_chunks(w);
@@ -305,6 +306,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
       w.x0[4L * i + 3] = 1e300;
     }
   }
+  warn_of_meshes(w);
   choose_chunk(w);
   w.chunk_of = ChunkMap(w.chunk_size);
   make_chunks(w);
@@ -357,6 +359,7 @@ Frame Simulation::frame(const FrameRequest& request) const { return frame_of(imp
 const std::vector<PlaneTotal>& Simulation::planes() const noexcept { return impl_->w.planes.totals(); }
 std::uint64_t Simulation::planes_hash() const { return impl_->w.planes.hash(); }
 Plan Simulation::plan() const { return plan_of(impl_->w); }
+std::vector<std::pair<std::string, MeshReport>> Simulation::meshes() const { return impl_->w.walls.meshes(); }
 const std::vector<Warning>& Simulation::warnings() const noexcept { return impl_->w.monitor.warnings; }
 const std::vector<ParticleId>& Simulation::culprits() const noexcept { return impl_->w.culprits; }
 World& Simulation::world() noexcept { return impl_->w; }

@@ -9,6 +9,7 @@
 
 #include "core/frame.hpp"
 #include "core/io/checkpoint.hpp"
+#include "core/io/mesh_file.hpp"
 #include "core/plane_count.hpp"
 #include "core/scene.hpp"
 
@@ -89,10 +90,10 @@ struct Plan {
   std::string graph;  ///< text picture: nodes in order with edges
 };
 
-/// Something that the run-time monitor has seen, one entry per kind, in order of appearance; before them what was
-/// ignored in the particle files (kind particle_file).
+/// Something that the run-time monitor has seen, one entry per kind (mesh: per wall), in order of appearance; before
+/// them what was ignored in the particle files (kind particle_file).
 struct Warning {
-  std::string kind;  ///< overlap, travel, stiffness, energy, extent, particle_file, source, stream NAME
+  std::string kind;  ///< overlap, travel, stiffness, energy, extent, mesh, particle_file, source, stream NAME
   std::string text;  ///< what, who, when and the cure, of the first time
   std::int64_t first_step = 0;
   std::int64_t count = 0;  ///< pairs, particles or balances above the level, summed over the sampled steps
@@ -137,12 +138,13 @@ class Simulation {
   const std::vector<PlaneTotal>& planes() const noexcept;
   std::uint64_t planes_hash() const;  ///< over the planes and their totals; state_hash() has none of it
   Plan plan() const;
-  const std::vector<Warning>& warnings() const noexcept;          ///< of this object's steps
-  const std::vector<ParticleId>& culprits() const noexcept;       ///< particles that the failure of run() names
-  Profile profile() const;                                        ///< always recorded
-  void restart_profile();                                         ///< from now on (benchmarks: after their warm steps)
-  void start_trace(std::int64_t first_step, std::int64_t steps);  ///< records the executions of nodes in these steps
-  void write_trace(const std::string& path) const;                ///< Chrome trace JSON. Error{io}
+  std::vector<std::pair<std::string, MeshReport>> meshes() const;  ///< of every mesh wall: name, what was found
+  const std::vector<Warning>& warnings() const noexcept;           ///< of this object's steps
+  const std::vector<ParticleId>& culprits() const noexcept;        ///< particles that the failure of run() names
+  Profile profile() const;                                         ///< always recorded
+  void restart_profile();                                          ///< from now on (benchmarks: after their warm steps)
+  void start_trace(std::int64_t first_step, std::int64_t steps);   ///< records the executions of nodes in these steps
+  void write_trace(const std::string& path) const;                 ///< Chrome trace JSON. Error{io}
   void save(CheckpointWriter& out) const;
   std::size_t bytes() const;  ///< memory of all arrays
   World& world() noexcept;    ///< everything behind this object, for the microbenchmarks (scheduler/world.hpp)

@@ -1,283 +1,131 @@
-// Mesh files. Who calls it: core/walls.cpp. Invariants: see the header. assimp stores coordinates as float, whatever
-// the file holds: `rounding` says how far a vertex may be off, and the users of a mesh take coplanarity to that
-// tolerance.
+// Mesh files: which reader, from file to frame, and what to say about the result. Who calls it: core/walls.cpp.
+// Invariants: see the header. The readers are our own: the library that suggests itself (assimp 5.2) keeps coordinates
+// in single precision, opens further files that a mesh names, and crashes or hangs on damaged input.
 #include "core/io/mesh_file.hpp"
 
-#include <assimp/BaseImporter.h>
-#include <assimp/importerdesc.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <assimp/Importer.hpp>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <numeric>
 
 #include "core/error.hpp"
+#include "core/io/input_file.hpp"
+#include "core/io/mesh_text.hpp"
+#include "core/memory.hpp"
 
 namespace talus {
 namespace {
 
-constexpr const char* k_formats = "stl, obj, ply";
+constexpr std::uint64_t k_most_bytes = std::uint64_t{1} << 30;
+constexpr double k_noticeable = 1e-3;  // of the smallest radius: a common overlap
 
-[[noreturn]] void fail(const std::string& file, const std::string& what, const std::string& cure = {}) {
-  throw Error(ErrorCode::scene, what, "mesh " + file, cure);
-}
+const InputKind k_kind{ErrorCode::scene, "mesh", k_most_bytes, "the path is relative to the scene file"};
 
-std::string lower_extension(const std::string& path) {
-  std::string e = std::filesystem::path(path).extension().string();
+std::string extension_of(const std::string& name) {
+  std::string e = std::filesystem::path(name).extension().string();
   for (char& c : e)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return e.empty() ? e : e.substr(1);
 }
 
-/// Refuses what assimp would answer with a vague message or an endless allocation.
-void check_bytes(const std::string& path, const std::string& extension) {
-  std::error_code ec;
-  if (!std::filesystem::is_regular_file(path, ec)) fail(path, "no such file", "the path is relative to the scene file");
-  const auto bytes = std::filesystem::file_size(path, ec);
-  if (ec) fail(path, "cannot be read: " + ec.message());
-  if (bytes == 0) fail(path, "the file is empty");
-  std::ifstream in(path, std::ios::binary);
-  std::array<char, 84> head{};
-  in.read(head.data(), head.size());
-  const auto got = in.gcount();
-  if (!in.is_open() || got == 0) fail(path, "cannot be read");
-  if (extension != "stl" || std::memcmp(head.data(), "solid", 5) == 0) return;
-  if (got < 84) fail(path, fmt::format("a binary STL has at least 84 bytes, this file has {}", bytes));
-  std::uint32_t n = 0;
-  for (int k = 3; k >= 0; --k) n = n << 8 | static_cast<unsigned char>(head[80 + k]);
-  if (bytes != 84 + 50 * static_cast<std::uintmax_t>(n))
-    fail(path,
-         fmt::format("a binary STL of {} facets has {} bytes, this file has {}", n, 84 + std::uintmax_t{50} * n, bytes),
-         "write the file again");
+using Parser = mesh_io::RawMesh (*)(std::string_view, const std::string&);
+
+Parser parser_of(const std::string& name) {
+  const std::string e = extension_of(name);
+  if (e == "stl") return mesh_io::parse_stl;
+  if (e == "obj") return mesh_io::parse_obj;
+  if (e == "ply") return mesh_io::parse_ply;
+  mesh_io::fail(name, 0, "unknown mesh format " + mesh_io::quoted(e), "allowed: stl, obj, ply");
 }
 
-/// Only the importers of the promised formats stay: a file cannot select another parser by its content.
-void keep_promised_importers(Assimp::Importer& importer) {
-  for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
-    const aiImporterDesc* about = importer.GetImporterInfo(i);
-    const std::string extensions = about != nullptr && about->mFileExtensions != nullptr ? about->mFileExtensions : "";
-    if (extensions == "stl" || extensions == "obj" || extensions == "ply") continue;
-    Assimp::BaseImporter* other = importer.GetImporter(i);
-    importer.UnregisterLoader(other);
-    delete other;  // unregistering hands over its ownership
-  }
+/// a + b = sum + rest exactly (Knuth).
+double two_sum(double a, double b, double& rest) noexcept {
+  const double sum = a + b, part = sum - a;
+  rest = (a - (sum - part)) + (b - part);
+  return sum;
 }
 
-bool finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
-
-/// Gives every set of equal vertices the index of its first member (in file order); unused vertices vanish.
-void join_vertices(Mesh& mesh) {
-  const auto& p = mesh.points;
-  std::vector<std::int32_t> order(p.size());
-  std::iota(order.begin(), order.end(), 0);
-  auto less = [&](std::int32_t a, std::int32_t b) {
-    if (p[a].x != p[b].x) return p[a].x < p[b].x;
-    if (p[a].y != p[b].y) return p[a].y < p[b].y;
-    if (p[a].z != p[b].z) return p[a].z < p[b].z;
-    return a < b;
-  };
-  std::sort(order.begin(), order.end(), less);
-  std::vector<std::int32_t> first(p.size());
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const bool same = k > 0 && p[order[k]].x == p[order[k - 1]].x && p[order[k]].y == p[order[k - 1]].y &&
-                      p[order[k]].z == p[order[k - 1]].z;
-    first[order[k]] = same ? first[order[k - 1]] : order[k];
-  }
-  std::vector<std::int32_t> index(p.size(), -1);
-  std::vector<Vec3> kept;
-  for (auto& f : mesh.facets)
-    for (std::int32_t& v : f) {
-      std::int32_t& to = index[first[v]];
-      if (to < 0) to = static_cast<std::int32_t>(kept.size()), kept.push_back(p[first[v]]);
-      v = to;
-    }
-  mesh.points = std::move(kept);
-}
-
-/// Height over the longest side, or 0 [m].
-double lowest_height(Vec3 a, Vec3 b, Vec3 c, double* longest) {
-  const double ab = norm2(b - a), bc = norm2(c - b), ca = norm2(a - c);
-  *longest = std::sqrt(fmax2(ab, fmax2(bc, ca)));
-  const Vec3 n = ab >= bc && ab >= ca ? cross(a - c, b - c) : (bc >= ca ? cross(b - a, c - a) : cross(c - b, a - b));
-  return *longest > 0 ? std::sqrt(norm2(n)) / *longest : 0;
-}
-
-void drop_degenerate(Mesh& mesh) {
-  std::int64_t first_bad = -1;
-  std::size_t kept = 0;
-  for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
-    const auto& t = mesh.facets[f];
-    double longest = 0;
-    const double height = lowest_height(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], &longest);
-    if (height > fmax2(1e-12 * longest, 0.5 * mesh.report.rounding)) {
-      mesh.facets[kept++] = t;
-    } else if (first_bad < 0) {
-      first_bad = static_cast<std::int64_t>(f) + 1;
-    }
-  }
-  mesh.report.degenerate = static_cast<std::int64_t>(mesh.facets.size() - kept);
-  if (2 * mesh.report.degenerate > static_cast<std::int64_t>(mesh.facets.size()))
-    fail(mesh.report.file,
-         fmt::format("{} of {} facets have no area, the first is facet {}", mesh.report.degenerate, mesh.facets.size(),
-                     first_bad),
-         "at most half may be degenerate; export the mesh again");
-  mesh.facets.resize(kept);
-}
-
-void drop_duplicates(Mesh& mesh) {
-  std::vector<std::pair<std::array<std::int32_t, 3>, std::int32_t>> keys;
-  for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
-    auto k = mesh.facets[f];
-    std::sort(k.begin(), k.end());
-    keys.emplace_back(k, static_cast<std::int32_t>(f));
-  }
-  std::sort(keys.begin(), keys.end());
-  std::vector<char> drop(mesh.facets.size(), 0);
-  for (std::size_t k = 1; k < keys.size(); ++k)
-    if (keys[k].first == keys[k - 1].first) drop[keys[k].second] = 1, ++mesh.report.duplicate;
-  std::size_t kept = 0;
-  for (std::size_t f = 0; f < mesh.facets.size(); ++f)
-    if (!drop[f]) mesh.facets[kept++] = mesh.facets[f];
-  mesh.facets.resize(kept);
-}
-
-/// Counts open and forked edges, and the facets whose winding disagrees with the majority of their connected part.
-void examine_topology(Mesh& mesh) {
-  const auto edges = sorted_edges(mesh.facets);
-  struct Link {
-    std::int32_t from, to;
-    bool turned;
-  };
-  std::vector<Link> links;
-  for (std::size_t k = 0, end = 0; k < edges.size(); k = end) {
-    end = k + 1;
-    while (end < edges.size() && edges[end].from == edges[k].from && edges[end].to == edges[k].to) ++end;
-    if (end - k == 1) ++mesh.report.open_edges;
-    if (end - k > 2) ++mesh.report.forked_edges;
-    if (end - k != 2) continue;
-    // Neighbours wound alike run through their common edge in opposite directions.
-    const bool turned = edges[k].reversed == edges[k + 1].reversed;
-    links.push_back({edges[k].facet, edges[k + 1].facet, turned});
-    links.push_back({edges[k + 1].facet, edges[k].facet, turned});
-  }
-  mesh.report.watertight = mesh.report.open_edges == 0 && mesh.report.forked_edges == 0;
-  std::sort(links.begin(), links.end(),
-            [](const Link& a, const Link& b) { return a.from != b.from ? a.from < b.from : a.to < b.to; });
-  const std::size_t n = mesh.facets.size();
-  std::vector<std::size_t> start(n + 1, 0);
-  for (const Link& l : links) ++start[l.from + 1];
-  for (std::size_t f = 0; f < n; ++f) start[f + 1] += start[f];
-  std::vector<signed char> side(n, 0);
-  std::vector<std::int32_t> part;
-  for (std::size_t seed = 0; seed < n; ++seed) {
-    if (side[seed] != 0) continue;
-    side[seed] = 1;
-    part.assign(1, static_cast<std::int32_t>(seed));
-    std::int64_t minus = 0;
-    for (std::size_t k = 0; k < part.size(); ++k) {
-      const std::int32_t f = part[k];
-      if (side[f] < 0) ++minus;
-      for (std::size_t l = start[f]; l < start[f + 1]; ++l)
-        if (side[links[l].to] == 0) {
-          side[links[l].to] = static_cast<signed char>(links[l].turned ? -side[f] : side[f]);
-          part.push_back(links[l].to);
-        }
-    }
-    mesh.report.flipped += std::min(minus, static_cast<std::int64_t>(part.size()) - minus);
-  }
+/// scale * x + shift - corner in twice the precision, rounded at the end.
+double placed(double scale, double x, double shift, double corner) noexcept {
+  double rest_shift = 0, rest_corner = 0;
+  const double product = scale * x, rest = std::fma(scale, x, -product);
+  const double shifted = two_sum(product, shift, rest_shift);
+  const double there = two_sum(shifted, -corner, rest_corner);
+  return there + (rest_corner + (rest_shift + rest));
 }
 
 }  // namespace
 
-std::vector<EdgeUse> sorted_edges(std::span<const std::array<std::int32_t, 3>> facets) {
-  std::vector<EdgeUse> edges;
-  edges.reserve(3 * facets.size());
-  for (std::size_t f = 0; f < facets.size(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      const std::int32_t a = facets[f][k], b = facets[f][(k + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(f), a > b});
-    }
-  std::sort(edges.begin(), edges.end(), [](const EdgeUse& a, const EdgeUse& b) {
-    if (a.from != b.from) return a.from < b.from;
-    return a.to != b.to ? a.to < b.to : a.facet < b.facet;
-  });
-  return edges;
+double Mesh::rounding_at(Vec3 p) const noexcept {
+  double far = 0;
+  for (int k = 0; k < 3; ++k) far = fmax2(far, std::fabs(p[k] - offset[k]));
+  return unit * far;
 }
 
-void check_mesh(Mesh& mesh, double largest_diameter) {
-  MeshReport& r = mesh.report;
-  r.facets_read = static_cast<std::int64_t>(mesh.facets.size());
-  if (mesh.facets.empty()) fail(r.file, "the file holds no facets", "expected triangles or polygons");
-  for (std::size_t f = 0; f < mesh.facets.size(); ++f)
-    for (const std::int32_t v : mesh.facets[f]) {
-      if (v < 0 || static_cast<std::size_t>(v) >= mesh.points.size())
-        fail(r.file, fmt::format("facet {} names vertex {}, there are {}", f + 1, v, mesh.points.size()));
-      if (!finite(mesh.points[v])) fail(r.file, fmt::format("facet {} has a vertex that is not finite", f + 1));
-    }
-  for (std::size_t v = 0; v < mesh.points.size(); ++v)
-    if (!finite(mesh.points[v])) fail(r.file, fmt::format("vertex {} is not finite", v + 1));
-  join_vertices(mesh);
-  drop_degenerate(mesh);
-  drop_duplicates(mesh);
-  r.lower = r.upper = mesh.points[mesh.facets[0][0]];
-  for (const auto& f : mesh.facets)
-    for (const std::int32_t v : f)
-      for (int k = 0; k < 3; ++k) {
-        r.lower[k] = fmin2(r.lower[k], mesh.points[v][k]);
-        r.upper[k] = fmax2(r.upper[k], mesh.points[v][k]);
-      }
-  const double across = std::sqrt(norm2(r.upper - r.lower));
-  if (across < largest_diameter)
-    fail(r.file, fmt::format("the mesh is {:.4g} m across, the largest particle {:.4g} m", across, largest_diameter),
-         "check wall.scale: a file in mm needs scale = 0.001");
-  examine_topology(mesh);
-}
-
-Mesh read_mesh(const std::string& path, double scale, Vec3 shift, double largest_diameter) {
-  const std::string extension = lower_extension(path);
-  if (extension != "stl" && extension != "obj" && extension != "ply")
-    fail(path, "unknown mesh format \"" + extension + "\"", std::string("allowed: ") + k_formats);
-  check_bytes(path, extension);
-
-  Assimp::Importer importer;
-  keep_promised_importers(importer);
-  const aiScene* scene = nullptr;
-  try {
-    scene = importer.ReadFile(path, aiProcess_Triangulate);
-  } catch (const std::exception& e) {
-    fail(path, std::string("cannot be read: ") + e.what());
-  }
-  if (scene == nullptr) fail(path, std::string("cannot be read: ") + importer.GetErrorString());
-
+Mesh parse_mesh(std::string_view bytes, const std::string& name, const MeshFrame& frame, double largest_diameter) {
+  const Parser parse = parser_of(name);
+  if (bytes.empty()) mesh_io::fail(name, 0, "the file is empty");
+  mesh_io::RawMesh raw = parse(bytes, name);
   Mesh mesh;
-  mesh.report.file = path;
+  mesh.report.file = name;
+  mesh.report.notes = std::move(raw.notes);
+  mesh.unit = raw.unit;
+  mesh.offset = frame.shift - frame.corner;
+  mesh.points = std::move(raw.points);
+  mesh.facets = std::move(raw.facets);
   double largest = 0;
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-    const aiMesh& part = *scene->mMeshes[m];
-    const auto base = static_cast<std::int32_t>(mesh.points.size());
-    for (unsigned v = 0; v < part.mNumVertices; ++v) {
-      const auto& p = part.mVertices[v];
-      const Vec3 x{p.x, p.y, p.z};
-      for (int k = 0; k < 3; ++k) largest = fmax2(largest, x[k] < 0 ? -x[k] : x[k]);
-      mesh.points.push_back(scale * x + shift);
+  for (Vec3& p : mesh.points)
+    for (int k = 0; k < 3; ++k) {
+      largest = fmax2(largest, std::fabs(p[k]));
+      p[k] = placed(frame.scale, p[k], frame.shift[k], frame.corner[k]);
     }
-    for (unsigned f = 0; f < part.mNumFaces; ++f) {
-      const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices != 3) continue;  // points and lines of a drawing bound nothing
-      mesh.facets.push_back({base + static_cast<std::int32_t>(face.mIndices[0]),
-                             base + static_cast<std::int32_t>(face.mIndices[1]),
-                             base + static_cast<std::int32_t>(face.mIndices[2])});
-    }
-  }
-  mesh.report.rounding = 0x1p-23 * largest * (scale < 0 ? -scale : scale);
+  mesh.report.rounding = raw.unit * largest * std::fabs(frame.scale);
   check_mesh(mesh, largest_diameter);
   return mesh;
+}
+
+Mesh read_mesh(const std::string& path, const MeshFrame& frame, double largest_diameter) {
+  parser_of(path);
+  const std::string bytes = read_input_text(path, k_kind);
+  // corners, facets, edges while they are checked: up to ten times the most compact file
+  require_memory(10 * static_cast<double>(bytes.size()), "reading this mesh", path, "a coarser mesh");
+  return parse_mesh(bytes, path, frame, largest_diameter);
+}
+
+std::string describe(const MeshReport& r) {
+  const Vec3 e = r.upper - r.lower;
+  std::string text = fmt::format("{} facets", r.facets_read - r.dropped());
+  if (r.parts > 1) text += fmt::format(" in {} parts", r.parts);
+  text += r.watertight ? fmt::format(", watertight, {:.4g} m3", r.volume) : ", not watertight";
+  text += fmt::format(", {:.4g} x {:.4g} x {:.4g} m", e.x, e.y, e.z);
+  const auto count = [&](std::int64_t n, const char* one, const char* more) {
+    if (n > 0) text += fmt::format(", {} {}", n, n == 1 ? one : more);
+  };
+  count(r.open_edges, "open edge", "open edges");
+  count(r.forked_edges, "edge of more than two facets", "edges of more than two facets");
+  count(r.flipped, "flipped facet", "flipped facets");
+  count(r.degenerate, "facet without area dropped", "facets without area dropped");
+  count(r.duplicate, "duplicate facet dropped", "duplicate facets dropped");
+  count(r.welded, "vertex joined to a neighbour", "vertices joined to neighbours");
+  return text;
+}
+
+std::string doubts(const MeshReport& r, double smallest_radius) {
+  std::string text;
+  const auto add = [&](const std::string& what) { text += (text.empty() ? "" : "; ") + what; };
+  if (r.degenerate > 0) add(fmt::format("{} of {} facets have no area and were dropped", r.degenerate, r.facets_read));
+  if (r.duplicate > 0) add(fmt::format("{} facets occur twice and were dropped", r.duplicate));
+  if (r.forked_edges > 0) add(fmt::format("{} edges have more than two facets", r.forked_edges));
+  if (r.holes > 0)
+    add(fmt::format("{} where a facet is missing; {} open edges in all",
+                    r.holes == 1 ? "a hole" : fmt::format("{} holes", r.holes), r.open_edges));
+  for (const std::string& note : r.notes) add(note);
+  if (smallest_radius > 0 && r.rounding > k_noticeable * smallest_radius)
+    add(
+        fmt::format("its coordinates are given to {:.2g} m only, {:.2g} of the smallest radius; write more digits, or "
+                    "shift the mesh towards the origin before it is exported",
+                    r.rounding, r.rounding / smallest_radius));
+  return text;
 }
 
 }  // namespace talus

@@ -36,6 +36,24 @@ class Object {
   std::string text_;
 };
 
+std::string vector(Vec3 a) {
+  return fmt::format("[{}, {}, {}]", Object::number(a.x), Object::number(a.y), Object::number(a.z));
+}
+
+std::string mesh_list(const std::vector<std::pair<std::string, MeshReport>>& meshes) {
+  std::string list;
+  for (const auto& [wall, r] : meshes)
+    list += fmt::format(
+        "{}\n    {{\"wall\": {}, \"file\": {}, \"facets\": {}, \"facets_read\": {}, \"degenerate\": {}, \"duplicate\": "
+        "{}, "
+        "\"open_edges\": {}, \"forked_edges\": {}, \"flipped\": {}, \"parts\": {}, \"watertight\": {}, \"volume\": {}, "
+        "\"lower\": {}, \"upper\": {}, \"rounding\": {}}}",
+        list.empty() ? "" : ",", json_string(wall), json_string(r.file), r.facets_read - r.dropped(), r.facets_read,
+        r.degenerate, r.duplicate, r.open_edges, r.forked_edges, r.flipped, r.parts, r.watertight,
+        r.watertight ? Object::number(r.volume) : "null", vector(r.lower), vector(r.upper), Object::number(r.rounding));
+  return list.empty() ? "[]" : "[" + list + "\n  ]";
+}
+
 }  // namespace
 
 std::string json_string(const std::string& s) {
@@ -138,6 +156,7 @@ std::string summary_json(const Summary& s) {
         warnings.empty() ? "" : ",", json_string(w.kind), w.count, w.first_step, Object::number(w.worst),
         Object::number(w.level), json_string(w.text));
   o.raw("warnings", warnings.empty() ? "[]" : "[" + warnings + "\n  ]");
+  o.raw("meshes", mesh_list(s.meshes));
   o.add("state_hash", fmt::format("{:016x}", s.state_hash));
   return o.take();
 }

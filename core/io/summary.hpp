@@ -6,7 +6,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "core/io/mesh_file.hpp"
 
 namespace talus {
 
@@ -63,6 +66,7 @@ struct Summary {
   std::uint64_t seed = 0;
   std::optional<double> kinetic_energy, potential_energy, elastic_energy, dissipated_energy;  ///< [J]
   std::vector<Alert> warnings;
+  std::vector<std::pair<std::string, MeshReport>> meshes;  ///< of every mesh wall: its name, what was found
   std::uint64_t state_hash = 0;
 };
 

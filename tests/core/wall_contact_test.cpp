@@ -21,13 +21,12 @@ TEST(WallContact, CoplanarFacetsAreOnePlane) {
   random_plane(30, 0.02, z, 7, points, facets);
   const std::string file = write_obj("coplanar.obj", points, facets);
   const WallSet mesh(scene_with({mesh_wall(file)}), k_reach);
-  const double stored = static_cast<double>(static_cast<float>(z));  // the reader keeps single precision
-  const WallSet plane(scene_with({plane_wall({0, 0, stored}, {0, 0, 1})}), k_reach);
+  const WallSet plane(scene_with({plane_wall({0, 0, z}, {0, 0, 1})}), k_reach);
   const CounterRng rng(3, 1);
   for (std::uint64_t k = 0; k < 20000; ++k) {
     const double side = k % 2 == 0 ? 1 : -1;
     const Vec3 c{rng.uniform(3 * k, 0.05, 0.55), rng.uniform(3 * k + 1, 0.05, 0.55),
-                 stored + side * rng.uniform(3 * k + 2, 0.0099, 0.01)};
+                 z + side * rng.uniform(3 * k + 2, 0.0099, 0.01)};
     const auto a = touch(mesh, c, 0.01), b = touch(plane, c, 0.01);
     ASSERT_EQ(a.size(), 1u) << "centre " << c.x << " " << c.y;
     ASSERT_EQ(b.size(), 1u);

@@ -24,7 +24,7 @@ TEST(HopperCase, EveryMeshIsCleanAndSmall) {
   std::uintmax_t bytes = 0;
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(k_folder / "meshes")) {
-    const Mesh m = read_mesh(entry.path().string(), 1, {}, 0.006);
+    const Mesh m = read_mesh(entry.path().string(), {}, 0.006);
     EXPECT_EQ(m.report.degenerate + m.report.duplicate + m.report.forked_edges, 0) << entry.path();
     bytes += entry.file_size();
     ++files;

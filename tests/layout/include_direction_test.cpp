@@ -129,7 +129,7 @@ TEST(Includes, XsimdOnlyInKernels) {
 
 TEST(Includes, HeavyReadersAreInOneTranslationUnitEach) {
   const std::map<std::string, std::vector<std::string>> libraries{
-      {"toml++", {"toml++/", "toml.hpp"}}, {"HDF5", {"hdf5", "H5"}}, {"assimp", {"assimp/"}}};
+      {"toml++", {"toml++/", "toml.hpp"}}, {"HDF5", {"hdf5", "H5"}}};
   for (const auto& [name, prefixes] : libraries) {
     const auto users = users_of(prefixes);
     EXPECT_EQ(users.size(), 1u) << name << ": " << joined(users);

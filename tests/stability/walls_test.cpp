@@ -66,7 +66,7 @@ TEST(Stability, S32_RollingOverFacetsEqualsThePlane) {
   EXPECT_GT(exact.frame().x[0].x, 0.4);  // it went over several edges and vertices
   // bad facets are dropped or counted, and reported
   const std::string bad = flat_mesh(4, false) + "f 1 2 2\nf 1 2 7\nf 7 2 1\nf 1 2 7\n";
-  const Mesh mesh = read_mesh(temporary("bad.obj", bad), 1, {}, 0);
+  const Mesh mesh = read_mesh(temporary("bad.obj", bad), {}, 0);
   EXPECT_EQ(mesh.report.degenerate, 1);
   EXPECT_GE(mesh.report.duplicate, 2);
   row("force over edges, vertices and needles (1:1000) vs plane <= 1e-10 mg; bad facets reported",
