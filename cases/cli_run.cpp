@@ -170,14 +170,14 @@ void print_profile(const Profile& p, double particle_steps) {
 
 int run(const Options& options) {
   const Scene scene = scene_of(options);
-  const TimeStepReport time_step = judge_time_step(scene);
   const Start start = find_start(options, scene);
-  if (!time_step.warning.empty()) fmt::print(stderr, "talus: warning: {}\n", time_step.warning);
 
   const RunOptions& engine = options.run;
   std::unique_ptr<Simulation> simulation = start.checkpoint
                                                ? std::make_unique<Simulation>(scene, engine, *start.checkpoint)
                                                : std::make_unique<Simulation>(scene, engine);
+  if (const std::string& warning = simulation->time_step().warning; !warning.empty())
+    fmt::print(stderr, "talus: warning: {}\n", warning);
   if (start.checkpoint && simulation->step() > scene.steps) {
     throw Error(ErrorCode::usage,
                 fmt::format("the checkpoint is at step {}, after the last step {}", simulation->step(), scene.steps),

@@ -154,6 +154,17 @@ void observe_chunk(World& w, Chunk& c) {
   c.extremes = x;
 }
 
+void judge_walls(World& w) {
+  const WallSet::StepTravel t = w.walls.step_travel();
+  if (!(t.distance > w.wall_step) || w.alive == 0) return;
+  const double allowed = w.wall_step / w.scene.monitor.max_travel, share = t.distance / allowed;
+  fail_step(w, {},
+            fmt::format("wall '{}' moves {:.3g} of the smallest radius in one step: it could pass particles unseen",
+                        w.walls.name(t.wall), share),
+            fmt::format("a time.step of at most {} s, or a larger checks.max_travel",
+                        at_most(w.scene.dt * w.scene.monitor.warn_travel / share)));
+}
+
 void judge_step(World& w) {
   if (w.chunks.empty() || !w.chunks.front()->extremes.filled) return;
   const MonitorSettings& m = w.scene.monitor;

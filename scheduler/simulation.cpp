@@ -5,7 +5,6 @@
 #include <cstring>
 
 #include "core/error.hpp"
-#include "core/timestep.hpp"
 #include "scheduler/available_cores.hpp"
 #include "scheduler/parallel.hpp"
 #include "scheduler/world.hpp"
@@ -94,6 +93,13 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
                     (1 + k_usual_skin) * w.r_max + 2 * w.skin.range(w.r_max) + w.skin.drift_travel);
   h.walls = w.walls.size() > 0;
   h.moving_walls = h.walls && w.walls.any_moving();
+}
+
+/// Refuses a step that is not sure to be stable, or in which a wall or grain passes what it should touch.
+void judge_time_step(World& w) {
+  const Population grains = w.insertion->population();
+  w.time_step = time_step_limits(w.scene, grains, w.walls);
+  w.wall_step = w.scene.monitor.max_travel * grains.smallest_free();
 }
 
 void choose_chunk(World& w) {
@@ -221,7 +227,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options) : impl_(st
   w.r_min = w.insertion->smallest_radius();
   w.r_max = w.insertion->largest_radius();
   configure(w, scene, options, w.insertion->any_fixed());
-  time_step_limits(scene, w.r_min, w.r_max, 0, w.insertion->materials());  // refuses a step that cannot be stable
+  judge_time_step(w);
   append_particles(w, w.insertion->initial(&w.walls), true);
   warn_of_extent(w);
   for (const std::string& note : w.insertion->notes())
@@ -240,7 +246,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   w.r_max = w.insertion->largest_radius();
   const auto m = in.read_value<Meta>("meta");
   configure(w, scene, options, in.has("fixed"));
-  time_step_limits(scene, w.r_min, w.r_max, 0, w.insertion->materials());
+  judge_time_step(w);
   if (m.stride != w.stride || m.history != w.has.history_columns ||
       m.materials != static_cast<std::int64_t>(scene.materials.size()) || m.dt != scene.dt)
     throw Error(ErrorCode::io, "the checkpoint belongs to another scene (contact law, materials or time step differ)",
@@ -341,6 +347,11 @@ double Simulation::kinetic_energy() const { return kinetic_energy_of(impl_->w); 
 Frame Simulation::frame(const FrameRequest& request) const { return frame_of(impl_->w, request); }
 const std::vector<PlaneTotal>& Simulation::planes() const noexcept { return impl_->w.planes.totals(); }
 std::uint64_t Simulation::planes_hash() const { return impl_->w.planes.hash(); }
+const TimeStepReport& Simulation::time_step() const noexcept { return impl_->w.time_step; }
+Softening Simulation::softening(double speed) const {
+  return talus::softening(impl_->w.scene, impl_->w.insertion->population(),
+                          fmax2(speed, impl_->w.time_step.speeds.closing));
+}
 Plan Simulation::plan() const { return plan_of(impl_->w); }
 const std::vector<Warning>& Simulation::warnings() const noexcept { return impl_->w.monitor.warnings; }
 const std::vector<ParticleId>& Simulation::culprits() const noexcept { return impl_->w.culprits; }

@@ -170,6 +170,7 @@ Decision check_step(World& w, std::int64_t target) {
     return d;
   }
   if (w.has.walls) w.walls.set_step(w.step, w.scene.dt);
+  if (w.has.moving_walls) judge_walls(w);
   const bool insertion = w.has.insertion && w.insertion->next_step(w.step) == w.step;
   const bool event =
       w.next_event < w.scene.events.size() && det::nearest(w.scene.events[w.next_event].time / w.scene.dt) <= w.step;

@@ -16,6 +16,7 @@
 #include "core/plane_count.hpp"
 #include "core/scene.hpp"
 #include "core/skin.hpp"
+#include "core/timestep.hpp"
 #include "core/types.hpp"
 #include "core/walls.hpp"
 #include "kernels/kernel_table.hpp"
@@ -296,6 +297,8 @@ struct World : Setup {
   std::unique_ptr<Insertion> insertion;
   std::size_t next_event = 0;
   double unstable_limit = 0;  ///< bound on row sum / mass [1/s2]
+  TimeStepReport time_step;   ///< judged at construction
+  double wall_step = 0;       ///< how far a wall may go in one step [m]
   bool sampled = false;       ///< the monitor looks at the present step
   MonitorState monitor;
   std::vector<ParticleId> culprits;  ///< named by the failure
