@@ -171,4 +171,17 @@ double packing_mode(const Scene& scene, const ContactDynamics& c, bool wall, dou
   return mode * (1 + scene.local_damping);  // that brakes, so in the turning points it adds to the force
 }
 
+double effective_stiffness(const Scene& scene, const ContactDynamics& c, double row, double dt) {
+  const double plain = row * (dt * dt);
+  if (!(c.normal > 0) || !(plain > 0)) return plain;
+  ContactDynamics d = c;
+  if (scene.contact.model != ContactModel::linear) {
+    // of twelve contacts of equal spheres, k/m_eff = 2 k/m: dashpots of Hertz contacts go as the root of the stiffness
+    const double scale = row / 6 / c.normal, root = std::sqrt(scale);
+    for (double* omega2 : {&d.normal, &d.tangential, &d.rolling, &d.twisting}) *omega2 *= scale;
+    for (double* rate : {&d.normal_rate, &d.tangential_rate, &d.rolling_rate, &d.twisting_rate}) *rate *= root;
+  }
+  return plain * packing_mode(scene, d, false, dt) / (4 * d.normal * (dt * dt));
+}
+
 }  // namespace talus

@@ -128,7 +128,7 @@ void add_stated_velocities(const Scene& scene, Population& p) {
     p.add_velocity(s.velocity - jitter, s.velocity + jitter);
     // an initial state that relaxes starts at rest
     if (scene.relax.steps > 0 && s.kind != Source::Kind::stream && s.start <= 0) continue;
-    p.movers.push_back({fmt::format("source '{}'", s.name), fmax2(0, v - most), v + most, 0.5 * s.size.smallest(),
+    p.movers.push_back({fmt::format("source '{}'", s.name), "", fmax2(0, v - most), v + most, 0.5 * s.size.smallest(),
                         0.5 * s.size.largest()});
   }
   for (const Event& e : scene.events) {
@@ -139,7 +139,7 @@ void add_stated_velocities(const Scene& scene, Population& p) {
       smallest = fmin2(smallest, k.smallest[0]), largest = fmax2(largest, k.largest[0]);
     const double v = norm(e.vector);
     p.add_velocity(e.vector, e.vector, scene.contact.friction ? largest * norm(e.spin) : 0);
-    p.movers.push_back({fmt::format("the event at {:g} s", e.time), v, v, smallest, largest});
+    p.movers.push_back({fmt::format("the event at {:g} s", e.time), "", v, v, smallest, largest});
   }
 }
 
@@ -164,9 +164,8 @@ Population Insertion::population() const {
       const double v = norm(f.v[i]);
       p.add_velocity(f.v[i], f.v[i], scene_.contact.friction ? f.r[i] * norm(f.w[i]) : 0);
       if (!(v > 0) || (fastest.fastest > 0 && !(v * fastest.smallest > fastest.fastest * f.r[i]))) continue;
-      fastest = {fmt::format("particle {} ({})", first_id + static_cast<std::int64_t>(i),
-                             place_in_file(static_cast<std::size_t>(first_id) + i)),
-                 v, v, f.r[i], f.r[i]};
+      const std::int64_t id = first_id + static_cast<std::int64_t>(i);
+      fastest = {fmt::format("particle {}", id), place_in_file(static_cast<std::size_t>(id)), v, v, f.r[i], f.r[i]};
     }
     if (fastest.fastest > 0) p.movers.push_back(fastest);
     first_id += static_cast<std::int64_t>(f.size() * tiles_of(source));

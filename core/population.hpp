@@ -23,7 +23,8 @@ inline constexpr std::int64_t k_many_grains = 1000;
 
 /// What states a velocity: a grain of a file, a source, an event.
 struct Mover {
-  std::string name;           ///< "particle 3 (bed.csv:5)", "source 'feed'"
+  std::string name;           ///< "particle 3", "source 'feed'"
+  std::string place;          ///< "bed.csv:5", or empty
   double slowest = 0;         ///< [m/s] of its grains ...
   double fastest = 0;         ///< ... and the largest
   double smallest = k_never;  ///< radius [m] of its grains ...

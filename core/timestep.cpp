@@ -104,22 +104,31 @@ Mode packing_of(const Scene& scene, const std::vector<Judged>& contacts, std::in
   return {both, share * of_grains.value >= (1 - share) * of_walls.value ? of_grains.ruler : of_walls.ruler};
 }
 
-/// The step at which that mode turns unstable, by bisection: dashpots make it no closed form.
-TimeStepLimit packing_limit(const Scene& scene, const std::vector<Judged>& contacts, std::int64_t grains) {
+/// Largest argument below `high` that `holds`, where it holds for all smaller ones: dashpots leave no closed forms.
+template <class F>
+double bisect(double high, F holds) {
+  double low = 0;
+  for (int k = 0; k < 100; ++k) {
+    const double middle = 0.5 * (low + high);
+    (holds(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+/// The step at which that mode turns unstable.
+void set_packing_limit(const Scene& scene, const std::vector<Judged>& contacts, std::int64_t grains,
+                       TimeStepReport& report) {
   const auto stable = [&](double dt) {
     // drag on velocities of n-1/2 brakes the alternating motion too late
     return packing_of(scene, contacts, grains, dt).value < 4 - 2 * scene.viscous_damping * dt;
   };
   double fastest = scene.viscous_damping * scene.viscous_damping;
   for (const Judged& c : contacts) fastest = fmax2(fastest, c.rest.normal);
-  if (!(fastest > 0)) return {};
-  double low = 0, high = 64 / std::sqrt(fastest);
-  for (int k = 0; k < 100 && low < high; ++k) {
-    const double middle = 0.5 * (low + high);
-    (stable(middle) ? low : high) = middle;
-  }
-  const Judged* ruler = packing_of(scene, contacts, grains, high).ruler;
-  return {low, ruler != nullptr ? describe(scene, ruler->contact) : "background damping"};
+  if (!(fastest > 0)) return;
+  report.packing.seconds = bisect(64 / std::sqrt(fastest), stable);
+  const Judged* ruler = packing_of(scene, contacts, grains, report.packing.seconds).ruler;
+  report.packing.pair = ruler != nullptr ? describe(scene, ruler->contact) : "background damping";
+  if (ruler != nullptr) report.ruler = ruler->impact;
 }
 
 std::string line(const char* name, double dt, const TimeStepLimit& limit) {
@@ -132,12 +141,14 @@ std::string line(const char* name, double dt, const TimeStepLimit& limit) {
 std::string judge_travel(const Scene& scene, const Population& grains, const WallSet& walls) {
   std::string warning;
   const MonitorSettings& m = scene.monitor;
-  const auto judge = [&](const std::string& name, double least, double most, const char* radius, double speed) {
+  const auto judge = [&](const std::string& name, const std::string& place, double least, double most,
+                         const char* radius, double speed) {
     if (!(most > m.warn_travel)) return;
     const std::string what =
-        fmt::format("{} moves by up to {:.3g} of {} in one step ({:.4g} m/s)", name, most, radius, speed);
+        fmt::format("{} moves {}{:.3g} of {} in one step ({}{:.4g} m/s)", name, least < most ? "by up to " : "", most,
+                    radius, place.empty() ? "" : place + "; ", speed);
     if (least > m.max_travel)
-      throw Error(ErrorCode::scene, what + ": it could pass particles unseen", scene.file,
+      throw Error(ErrorCode::scene, what + ": it could pass particles or walls unseen", scene.file,
                   fmt::format("a time.step of at most {} s, or a larger checks.max_travel",
                               at_most(scene.dt * m.warn_travel / most)));
     if (warning.empty()) warning = what;
@@ -145,10 +156,11 @@ std::string judge_travel(const Scene& scene, const Population& grains, const Wal
   const double r = grains.smallest_free();
   for (int k = 0; k < walls.size() && r > 0; ++k) {
     const double travel = walls.fastest_point(k) * scene.dt / r;
-    judge(fmt::format("wall '{}'", walls.name(k)), travel, travel, "the smallest radius", walls.fastest_point(k));
+    judge(fmt::format("wall '{}'", walls.name(k)), "", travel, travel, "the smallest radius", walls.fastest_point(k));
   }
   for (const Mover& g : grains.movers)
-    judge(g.name, g.slowest * scene.dt / g.largest, g.fastest * scene.dt / g.smallest, "its radius", g.fastest);
+    judge(g.name, g.place, g.slowest * scene.dt / g.largest, g.fastest * scene.dt / g.smallest, "its radius",
+          g.fastest);
   return warning;
 }
 
@@ -199,7 +211,7 @@ TimeStepReport limits_at(const Scene& scene, const Population& grains, const Wal
     if (const double t = rayleigh_time(m, k.smallest[0]); t < report.rayleigh.seconds)
       report.rayleigh = {t, fmt::format("{} (r = {:g})", m.name, k.smallest[0])};
   }
-  report.packing = packing_limit(scene, contacts, count);
+  set_packing_limit(scene, contacts, count, report);
   report.share = scene.dt / fmin2(report.rayleigh.seconds, report.contact.seconds);
   report.lines = {line("Rayleigh time", scene.dt, report.rayleigh), line("contact time", scene.dt, report.contact),
                   line("isolated pair limit", scene.dt, report.isolated_pair),
@@ -214,6 +226,17 @@ TimeStepReport limits_at(const Scene& scene, const Population& grains, const Wal
 }
 
 }  // namespace
+
+double largest_row(const Scene& scene, const TimeStepReport& report, double level) {
+  const double dt = report.dt;
+  return bisect(level / (dt * dt) * (1 + 1e-12),
+                [&](double row) { return effective_stiffness(scene, report.ruler, row, dt) <= level; });
+}
+
+double step_for_row(const Scene& scene, const TimeStepReport& report, double row, double level) {
+  return bisect(std::sqrt(level / row) * (1 + 1e-12),
+                [&](double dt) { return effective_stiffness(scene, report.ruler, row, dt) <= level; });
+}
 
 std::string at_most(double seconds) { return fmt::format("{:.4g}", seconds * (1 - 5e-4)); }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/contact_limits.hpp"
 #include "core/population.hpp"
 #include "core/scene.hpp"
 #include "core/walls.hpp"
@@ -37,6 +38,7 @@ struct TimeStepReport {
   TimeStepLimit contact;           ///< duration of an impact
   TimeStepLimit isolated_pair;     ///< 2 / sqrt(k / m_eff), undamped
   TimeStepLimit packing;           ///< of the densest packing, damping, tangential and rolling springs included
+  ContactDynamics ruler;           ///< of the contact that rules it; all 0 where nothing can touch
   double share = 0;                ///< dt / min(rayleigh, contact)
   std::string warning;             ///< empty, or why the step is uncomfortable (share > 0.2, or unstable but allowed)
   std::vector<std::string> lines;  ///< for `talus check`: one text line per limit
@@ -75,6 +77,11 @@ struct StepAdvice {
   double accurate = 0, limit = 0, advised = 0;
 };
 StepAdvice step_advice(const TimeStepReport& report);
+
+/// Largest `row` [1/s2] with effective_stiffness() up to `level` at the report's step, and largest step [s] at which
+/// that of a given row is.
+double largest_row(const Scene& scene, const TimeStepReport& report, double level);
+double step_for_row(const Scene& scene, const TimeStepReport& report, double row, double level);
 
 /// A limit [s] with four digits, rounded down: the printed number is within it.
 std::string at_most(double seconds);

@@ -32,9 +32,12 @@ double kinetic_energy_of(const World& w) {
 Energies energies_of(const World& w) {
   Energies e;
   if (!w.has.energies || w.counters.steps == 0 || !w.velocity_at_old_step) return e;
-  // state of step n = w.step - 1: positions p2, velocities at n the mean of n - 1/2 (v2) and n + 1/2 (v)
+  // state of step n = w.step - 1: positions p2, velocities at n the mean of n - 1/2 (v2) and n + 1/2 (v), at the start
+  // those given
+  const bool given = w.step == 1 && w.scene.integrator == Integrator::velocity_verlet && w.scene.relax.steps == 0;
   const auto mean2 = [&](Row i, int from) {
-    const double *v = w.v.data() + static_cast<long>(w.stride) * i, *u = w.v2.data() + static_cast<long>(w.stride) * i;
+    const double *u = w.v2.data() + static_cast<long>(w.stride) * i,
+                 *v = given ? u : w.v.data() + static_cast<long>(w.stride) * i;
     double s = 0;
     for (int k = from; k < from + 3; ++k) s += 0.25 * (u[k] + v[k]) * (u[k] + v[k]);
     return s;

@@ -100,6 +100,8 @@ void judge_time_step(World& w) {
   const Population grains = w.insertion->population();
   w.time_step = time_step_limits(w.scene, grains, w.walls);
   w.wall_step = w.scene.monitor.max_travel * grains.smallest_free();
+  const double dt2 = w.scene.dt * w.scene.dt;
+  w.warn_row = dt2 * largest_row(w.scene, w.time_step, w.scene.monitor.warn_stiffness);
 }
 
 void choose_chunk(World& w) {

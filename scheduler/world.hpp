@@ -299,6 +299,7 @@ struct World : Setup {
   double unstable_limit = 0;  ///< bound on row sum / mass [1/s2]
   TimeStepReport time_step;   ///< judged at construction
   double wall_step = 0;       ///< how far a wall may go in one step [m]
+  double warn_row = 0;        ///< row sum / mass, times dt^2, from which on the monitor warns
   bool sampled = false;       ///< the monitor looks at the present step
   MonitorState monitor;
   std::vector<ParticleId> culprits;  ///< named by the failure
@@ -321,7 +322,7 @@ struct World : Setup {
 
   double mass(Row i) const;                 ///< [kg] from material and radius
   Vec3 gravity_along(bool periodic) const;  ///< its components along the periodic axes, or along the others
-  double row_energy(Row i) const;           ///< kinetic, and potential where the row is free [J]
+  double row_energy(Row i) const;           ///< at n: kinetic, and potential where the row is free [J]
   Vec3 position(Row i) const;               ///< absolute [m]
   /// Drift velocity of a row for the policies that have one (SkinRule::drifts()) [m/s].
   Vec3 drift_of(Row i) const {
@@ -355,7 +356,7 @@ class PartClock {
 
 // --- state.cpp: storage -------------------------------------------------------------------------------------------
 void set_particle_capacity(World& w, Row n);  ///< resizes columns to n rows (+ dead row), keeps content
-void append_particles(World& w, const NewParticles& a, bool at_start);
+void append_particles(World& w, const NewParticles& a, bool initial);  ///< initial: no energy counts as inserted
 void need_chunks(World& w, int count);  ///< adds empty ones where there are fewer
 void make_chunks(World& w);             ///< cuts rows into chunks; keeps existing ones in place
 void remove_row(World& w, Row i);       ///< marks a row dead (I2), counts it

@@ -103,7 +103,7 @@ TEST(Ratio, LightGrainBetweenHeavyOneAndWallSetsTheStep) {
   // parallel, omega^2 = 2 k/m. It carries the heavy weight: overlap M g/k at the top, (M+m) g/k at the floor.
   // Disturbed, it swings with that omega; at the largest step that the command line accepts it stays bounded.
   const double ra = 0.5, rb = 50, density = density_of(1, ra), big = sphere_mass(density, rb), kn = 1e9, g = 1;
-  const double pair = 2 * std::sqrt(0.5 / kn), dt = 0.39 * pair;  // two light ones, m = 1; beyond 0.4 it is refused
+  const double pair = 2 * std::sqrt(0.5 / kn), dt = 0.39 * pair;  // two light ones, m = 1; beyond 0.5 it is refused
   Scene s = open_scene({-60, -60, 0}, {60, 60, 120}, dt);
   s.materials[0].density = density;
   linear_law(s, kn, 0);
@@ -142,7 +142,7 @@ TEST(Ratio, LightGrainBetweenHeavyOneAndWallSetsTheStep) {
   // leapfrog's ellipse: 1/sqrt(1 - (omega dt)^2/4), seen at its steps only
   EXPECT_NEAR(largest / (kick / omega), 1 / std::sqrt(1 - std::pow(0.5 * omega * dt, 2)), 0.01);
   EXPECT_NO_THROW(time_step_limits(s, ra, rb));
-  s.dt = 0.41 * pair;
+  s.dt = 0.51 * pair;
   EXPECT_THROW(time_step_limits(s, ra, rb), Error);
 }
 
