@@ -286,6 +286,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   w.inserted_energy = m.inserted_energy;
   w.start_energy = m.start_energy;
   w.start_energy_known = m.start_known != 0;
+  if (w.has.energies && in.has("energies")) w.resumed = in.read_value<Energies>("energies");
   w.work_before = w.work;
   if (in.has("planes")) w.planes.load(in.section("planes"), in.path());
   w.insertion->load(in.section("insertion"));
@@ -423,6 +424,7 @@ void Simulation::save(CheckpointWriter& out) const {
   if (w.has.fixed) out.add_view("fixed", w.fixed.data(), n);
   if (w.has.groups) out.add_view("group", w.group.data(), n);
   write_contacts(w, out);
+  if (w.has.energies) out.add_value("energies", energies_of(w));
   out.add("insertion", w.insertion->save());
   if (w.has.planes) out.add("planes", w.planes.save());
   // Not the K that a run has chosen: it follows measured times, and these bytes are the same however a run is done.

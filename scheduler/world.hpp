@@ -311,6 +311,7 @@ struct World : Setup {
   double inserted_energy = 0;
   std::vector<StepWork> step_work;  ///< by block of k_energy_block rows; with energies only
   PlaneCounts planes;
+  Energies resumed;  ///< of the step before the checkpoint that this run goes on from
   double start_energy = 0;
   bool start_energy_known = false;
   std::atomic<bool> failed{false};
@@ -442,6 +443,8 @@ std::string graph_picture(const World& w);
 
 // --- observe.cpp --------------------------------------------------------------------------------------------------
 Energies energies_of(const World& w);
+/// Energy rows of the contacts of the present positions, as World::energy; only with energies (frame.cpp).
+Column<double> energy_rows(const World& w);
 double kinetic_energy_of(const World& w);
 Frame frame_of(const World& w, const FrameRequest& request);  ///< frame.cpp
 Plan plan_of(const World& w);

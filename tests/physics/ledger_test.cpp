@@ -1,10 +1,13 @@
 // The energy ledger: of one bouncing grain against closed forms, and its bits over threads, chunks, instruction sets.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdio>
+#include <string>
 
 #include "kernels/kernel_table.hpp"
 #include "physics_support.hpp"
@@ -185,13 +188,36 @@ TEST(PhysicsLedger, RowZeroHoldsTheEnergiesOfTheGivenState) {
   EXPECT_EQ(e.dissipated_damping + e.dissipated_friction + e.dissipated_background + e.wall_work + e.inserted, 0);
   EXPECT_EQ(e.residual, 0);
   const std::uint64_t hash = sim.state_hash();
-  sim.run(1);  // its row holds the state of step 0 as well
-  EXPECT_EQ(all(sim.energies()), all(e));
+  sim.run(1);                                             // its row holds the state of step 0 as well
+  const auto first = all(sim.energies()), zero = all(e);  // in another order of the rows
+  for (std::size_t k = 0; k < zero.size(); ++k)
+    EXPECT_NEAR(first[k], zero[k], 1e-15 * std::fabs(zero[0] + zero[2])) << k;
   Simulation unasked(pressed(1e-6), options());
   EXPECT_EQ(unasked.state_hash(), hash);
   unasked.run(50);
   sim.run(49);
   EXPECT_EQ(unasked.state_hash(), sim.state_hash());
+}
+
+TEST(PhysicsLedger, AResumedRunHoldsTheRowsOfTheUninterruptedOne) {
+  const std::string path = testing::TempDir() + "ledger-" + std::to_string(getpid()) + ".checkpoint";
+  for (const std::int64_t stop : {0, 1, 37}) {
+    Simulation whole(pressed(1e-6), options());
+    if (stop > 0) whole.run(stop);
+    CheckpointWriter out;
+    whole.save(out);
+    out.commit(path);
+    Simulation resumed(pressed(1e-6), options(), CheckpointReader(path));
+    for (int n = 0; n < 3; ++n) {
+      const auto a = all(whole.energies()), b = all(resumed.energies());
+      for (std::size_t k = 0; k < a.size(); ++k)
+        EXPECT_EQ(std::bit_cast<std::uint64_t>(a[k]), std::bit_cast<std::uint64_t>(b[k]))
+            << stop << " " << n << " " << k;
+      whole.run(1);
+      resumed.run(1);
+    }
+  }
+  std::remove(path.c_str());
 }
 
 TEST(PhysicsLedger, ResidualOfAStackStartsFromItsTrueEnergy) {
