@@ -125,10 +125,11 @@ double normal_term(const Scene& scene, double omega2, double rate, double dt) {
   return (spring + 4 * g) / (1 + g);
 }
 
-/// The same for the tangential dashpot, whose free pair also spins: 7/2 of the compliance.
+/// The same for the tangential dashpot. The free pair also spins: 7/2 of the compliance in the pairwise denominator;
+/// that of the centred form is between this one and, in contacts at rest, 1.
 double tangential_term(const Scene& scene, double omega2, double rate, double dt) {
   const double g = rate * dt, spring = omega2 * (dt * dt) + 2 * g;
-  return scene.contact.dashpot == Dashpot::lagged ? spring : spring / (1 + 0.5 * 3.5 * g);
+  return scene.contact.dashpot == Dashpot::pairwise ? spring / (1 + 0.5 * 3.5 * g) : spring;
 }
 
 }  // namespace
