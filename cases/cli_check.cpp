@@ -54,15 +54,11 @@ struct Advice {
   double seconds = 0, seconds_dense = 0;  ///< predicted run time: at the measured cost, and if the bed is dense
 };
 
-Advice advise(const Scene& scene, const TimeStepReport& report, Simulation& simulation, std::int64_t to_come,
-              double calibrate) {
+Advice advise(const Scene& scene, Simulation& simulation, std::int64_t to_come, double calibrate) {
   Advice a;
-  const Insertion sources(scene);
-  a.r_max = sources.largest_radius();
-  double fastest = 0;
-  for (const Vec3& v : simulation.frame({}).v) fastest = std::max(fastest, norm(v));
-  a.step = step_advice(report);
-  a.soft = softening(scene, a.r_max, fastest);
+  a.r_max = Insertion(scene).largest_radius();
+  a.step = step_advice(simulation.time_step());
+  a.soft = simulation.softening(0);
   const std::int64_t present = simulation.particles();
   a.cost = measure_cost(simulation, calibrate);
   a.k = advised_k(a.cost, a.r_max, scene.dt);
@@ -73,12 +69,14 @@ Advice advise(const Scene& scene, const TimeStepReport& report, Simulation& simu
   return a;
 }
 
-std::string step_text(const Scene& scene, const StepAdvice& a) {
-  if (!std::isfinite(a.accurate) || !(a.accurate > 0)) return "no particle can ever appear";
-  return fmt::format(
-      "{:.3g} s ({:.3g} x the scene's): 20 steps per contact, within all limits; up to {:.3g} s even 12 "
-      "contacts per particle are surely stable",
-      a.accurate, a.accurate / scene.dt, a.row_sum);
+std::string step_text(const Scene& scene, const StepAdvice& a, double contact) {
+  if (!std::isfinite(a.accurate) || !(a.accurate > 0)) return "nothing can ever touch: no limit";
+  const std::string limit = fmt::format("a run accepts up to {} s", at_most(a.limit));
+  if (a.advised == scene.dt)
+    return fmt::format("{:.3g} s as set makes {:.3g} steps per contact ({} s: 20); {}", scene.dt, contact / scene.dt,
+                       at_most(a.accurate), limit);
+  return fmt::format("{} s ({:.3g} x the scene's): {:.3g} steps per contact; {}", at_most(a.accurate),
+                     a.accurate / scene.dt, contact / a.accurate, limit);
 }
 
 std::string soft_text(const Scene& scene, const Softening& s) {
@@ -128,8 +126,8 @@ std::vector<std::string> notes_of_later_sources(const Scene& scene) {
 
 int check(const Options& options) {
   const Scene scene = scene_of(options);
-  const TimeStepReport step = judge_time_step(scene);
   Simulation simulation(scene, options.run);
+  const TimeStepReport& step = simulation.time_step();
   const Plan plan = simulation.plan();
   const std::int64_t present = simulation.particles();
   const std::int64_t to_come = most_to_come(scene);
@@ -137,14 +135,15 @@ int check(const Options& options) {
   const double memory =
       static_cast<double>(simulation.bytes()) + static_cast<double>(to_come) * plan.bytes_per_particle;
   const std::vector<std::string> later = notes_of_later_sources(scene);
-  const Advice advice = advise(scene, step, simulation, to_come, options.calibrate);
+  const Advice advice = advise(scene, simulation, to_come, options.calibrate);
   // What the engine already holds is no longer available to it.
   const AvailableMemory left = available_memory();
   const double room = left.bytes + static_cast<double>(simulation.bytes());
   const bool fits = memory < 0.9 * room;
-  const std::string verdict = !fits
-                                  ? "valid, but needs more memory than there is"
-                                  : (step.warning.empty() ? "valid" : "valid, but the time step is large (see above)");
+  const std::string verdict = !fits                          ? "valid, but needs more memory than there is"
+                              : !advice.cost.failure.empty() ? "valid, but the run ends early (see above)"
+                              : !step.warning.empty()        ? "valid, but the time step is large (see above)"
+                                                             : "valid";
 
   if (options.json) {
     Json j;
@@ -153,7 +152,8 @@ int check(const Options& options) {
     j.add("duration", scene.dt * static_cast<double>(scene.steps)).add("memory_bytes", memory);
     j.add("bytes_per_particle", plan.bytes_per_particle);
     add_time_step(j, step);
-    j.begin_object("advice").add("time_step", advice.step.accurate).add("time_step_row_sum", advice.step.row_sum);
+    j.begin_object("advice").add("time_step", advice.step.advised).add("time_step_20", advice.step.accurate);
+    j.add("time_step_limit", advice.step.limit);
     j.add("overlap", advice.soft.overlap).add("overlap_by", advice.soft.by_impact ? "impact" : "weight");
     j.add("stiffness_factor_for_one_percent", advice.soft.factor).add("time_step_factor", advice.soft.step_factor);
     j.add("verlet_k", advice.k).end_object();
@@ -190,8 +190,8 @@ int check(const Options& options) {
   for (const auto& [wall, report] : simulation.meshes())
     put("  mesh        wall \"{}\", {}: {}\n", shown(wall), shown(report.file), describe(report));
   put("  time step\n{}", time_step_text(step));
-  put("  advice\n    time step  {}\n    stiffness  {}\n    verlet_k   {}\n", step_text(scene, advice.step),
-      soft_text(scene, advice.soft), k_text(scene, advice));
+  put("  advice\n    time step  {}\n    stiffness  {}\n    verlet_k   {}\n",
+      step_text(scene, advice.step, step.contact.seconds), soft_text(scene, advice.soft), k_text(scene, advice));
   put("  run time    about {}\n", time_text(advice, plan.threads));
   for (const Warning& w : simulation.warnings()) tell("talus: warning: {}\n", w.text);
   for (const std::string& note : later) tell("talus: warning: {}\n", note);

@@ -67,8 +67,8 @@ std::string as_json(const Scene& scene, const Plan& plan, const Simulation& simu
 
 int explain(const Options& options) {
   const Scene scene = scene_of(options);
-  const TimeStepReport step = judge_time_step(scene);
   const Simulation simulation(scene, options.run);
+  const TimeStepReport& step = simulation.time_step();
   const Plan plan = simulation.plan();
   if (options.json) {
     put("{}\n", as_json(scene, plan, simulation, step));

@@ -199,14 +199,14 @@ int run(const Options& options) {
   const SignalGuard signals;  // from here on: a signal before the first step leaves a checkpoint, too
   const Start start = find_start(options);
   const Scene& scene = start.scene.scene;
-  const TimeStepReport time_step = judge_time_step(scene);
-  if (!time_step.warning.empty()) tell("talus: warning: {}\n", time_step.warning);
   tell_changes(start, options.quiet);
 
   const RunOptions& engine = options.run;
   std::unique_ptr<Simulation> simulation =
       start.checkpoint ? std::make_unique<Simulation>(scene, engine, *start.checkpoint, start.walls)
                        : std::make_unique<Simulation>(scene, engine);
+  if (const std::string& warning = simulation->time_step().warning; !warning.empty())
+    tell("talus: warning: {}\n", warning);
   if (start.checkpoint && simulation->step() > scene.steps) {
     throw Error(ErrorCode::usage,
                 fmt::format("the checkpoint is at step {}, after the last step {}", simulation->step(), scene.steps),

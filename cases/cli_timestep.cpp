@@ -3,14 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "core/insertion.hpp"
-
 namespace talus::cli {
-
-TimeStepReport judge_time_step(const Scene& scene) {
-  const Insertion sources(scene);
-  return time_step_limits(scene, sources.smallest_radius(), sources.largest_radius(), 0, sources.materials());
-}
 
 std::string time_step_text(const TimeStepReport& step) {
   std::string text = fmt::format("    dt = {:.6g} s\n", step.dt);
@@ -27,6 +20,7 @@ void add_time_step(Json& json, const TimeStepReport& step) {
   limit("contact", step.contact);
   limit("isolated_pair", step.isolated_pair);
   limit("packing", step.packing);
+  json.add("fastest_grain", step.speeds.grain).add("fastest_wall", step.speeds.wall).add("speed", step.speeds.closing);
   json.add("warning", step.warning).end_object();
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/population.hpp"
 #include "core/scene.hpp"
 #include "core/size_sampler.hpp"
 
@@ -67,6 +68,7 @@ class Insertion {
   std::vector<std::uint8_t> save() const;
   void load(std::span<const std::uint8_t> bytes);
   /// Smallest and largest radius that any source can ever deliver [m] (file sources are read) for dt and cell limits.
+  Population population() const;        ///< grains that there are or will be within the scene's duration, and their speeds
   std::vector<char> materials() const;  ///< [materials] not 0 where a particle of it is or will be
   double smallest_radius() const;
   double largest_radius() const;

@@ -4,179 +4,139 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
-#include "core/adhesion.hpp"
+#include "core/contact_limits.hpp"
 #include "core/det_math.hpp"
 #include "core/error.hpp"
-#include "core/restitution.hpp"
 
 namespace talus {
 namespace {
 
-constexpr double k_packing_share = 0.4;  ///< an fcc packing is stable up to 0.42 of the pair limit with k_t = 2/7 k_n
 constexpr double k_warning_share = 0.2;
+/// Where nothing takes energy out, a bed is heated by the phase errors of contacts that begin and end: by 1 % in 10^5
+/// steps of 1/8 of the contact time, without bound at three steps per contact. A restitution of 0.99 suffices.
+constexpr double k_undamped_share = 1.0 / 8;
+constexpr double k_enough_neighbours = 8;  ///< grains from which on packings are full; see packing_of
 
-/// Which materials particles and walls have. A file may name any material.
-struct Roles {
-  std::vector<char> particle, wall;
+/// Materials of walls, those of the domain's sides included.
+std::vector<char> wall_materials(const Scene& scene) {
+  std::vector<char> used(scene.materials.size());
+  for (const WallSpec& w : scene.walls)
+    if (w.appear < end_of(scene)) used[static_cast<std::size_t>(w.material)] = 1;
+  for (const auto& axis : scene.domain.boundary)
+    for (const Boundary side : axis)
+      if (side == Boundary::wall) used[static_cast<std::size_t>(scene.domain.wall_material)] = 1;
+  return used;
+}
+
+/// Pairs of grains of two kinds, or of one: the extremes of what can meet.
+void add_pairs(const GrainKind& a, const GrainKind& b, std::vector<ContactCase>& out) {
+  if (&a == &b) {
+    if (a.fixed || a.count < 2) return;
+    for (const auto& [r, s] :
+         {std::pair{a.smallest[0], a.smallest[1]}, {a.smallest[0], a.largest[0]}, {a.largest[0], a.largest[1]}})
+      out.push_back({a.material, a.material, r, s});
+    return;
+  }
+  if (a.fixed && b.fixed) return;
+  const GrainKind &free = a.fixed ? b : a, &other = a.fixed ? a : b;
+  for (const double r : {free.smallest[0], free.largest[0]})
+    for (const double s : {other.smallest[0], other.largest[0]})
+      out.push_back({free.material, other.material, r, s, other.fixed});
+}
+
+std::vector<ContactCase> contacts_of(const Scene& scene, const Population& grains) {
+  std::vector<ContactCase> all;
+  const std::vector<char> walls = wall_materials(scene);
+  for (std::size_t a = 0; a < grains.kinds.size(); ++a) {
+    const GrainKind& k = grains.kinds[a];
+    for (std::size_t b = a; b < grains.kinds.size(); ++b) add_pairs(k, grains.kinds[b], all);
+    for (std::size_t m = 0; m < walls.size() && !k.fixed; ++m)
+      for (const double r : {k.smallest[0], k.largest[0]})
+        if (walls[m] != 0) all.push_back({k.material, static_cast<int>(m), r, k_never});
+  }
+  return all;
+}
+
+/// A contact in the hardest impact by itself, in a bed that takes it, and under a bed's weight. The stiffness of linear
+/// contacts is the same in all.
+struct Judged {
+  ContactCase contact;
+  ContactDynamics impact, shared, rest;
 };
 
-Roles roles_of(const Scene& scene) {
-  const std::size_t n = scene.materials.size();
-  Roles roles{std::vector<char>(n), std::vector<char>(n)};
-  bool any = scene.sources.empty();
-  for (const Source& s : scene.sources) {
-    any = any || s.kind == Source::Kind::file;
-    roles.particle[static_cast<std::size_t>(s.material)] = 1;
-  }
-  if (any) roles.particle.assign(n, 1);
-  for (const WallSpec& w : scene.walls) roles.wall[static_cast<std::size_t>(w.material)] = 1;
-  for (const auto& axis : scene.domain.boundary) {
-    for (Boundary side : axis) {
-      if (side == Boundary::wall) roles.wall[static_cast<std::size_t>(scene.domain.wall_material)] = 1;
-    }
-  }
-  return roles;
+/// Contacts per grain that are as stiff as impacts make them, over twelve: in motion a packing is isostatic, with four
+/// contacts per grain, without friction six. Energy m v^2/2 per grain is that of a pair's impact, m v^2/4, for each of
+/// four, 2/3 of it for each of six.
+constexpr double k_moving = 1.0 / 3, k_moving_smooth = 1.0 / 2, k_smooth_energy = 2.0 / 3;
+
+/// omega^2 dt^2 of a packing of such contacts. A Hertz contact is as stiff as its load: all twelve bear what rests on
+/// the bed, fewer share an impact.
+double mode_of(const Scene& scene, const Judged& c, double dt) {
+  const bool wall = c.contact.wall();
+  if (scene.contact.model == ContactModel::linear) return packing_mode(scene, c.impact, wall, dt);
+  const double moving = scene.contact.friction ? k_moving : k_moving_smooth;
+  return fmax2(packing_mode(scene, c.rest, wall, dt), moving * packing_mode(scene, c.shared, wall, dt));
 }
 
-/// Largest speed that the scene itself states: sources, walls, driven groups, and the fall through the domain's height.
-double scene_speed(const Scene& scene) {
-  double v = 0;
-  for (const Source& s : scene.sources) v = fmax2(v, std::sqrt(norm2(s.velocity)) + std::sqrt(3.0) * s.velocity_jitter);
-  for (const WallSpec& w : scene.walls) {
-    const WallMotion& m = w.motion;
-    v = fmax2(v, std::sqrt(norm2(m.velocity)) + 2 * det::k_pi * m.frequency * std::sqrt(norm2(m.amplitude)));
-  }
-  double fall = 0;
-  const auto gravity = [&](Vec3 g) {
-    for (int k = 0; k < 3; ++k) fall = fmax2(fall, std::fabs(g[k]) * (scene.domain.upper[k] - scene.domain.lower[k]));
-  };
-  gravity(scene.gravity);
-  for (const Event& e : scene.events) {
-    if (e.action == Event::Action::gravity)
-      gravity(e.vector);
-    else
-      v = fmax2(v, std::sqrt(norm2(e.vector)));
-  }
-  return fmax2(v, std::sqrt(fall));
+/// rho g H, of chains that bear more than their share, in a bed that fills the domain [Pa].
+double bed_pressure(const Scene& scene, double density) {
+  double height = 0;
+  for (int k = 0; k < 3; ++k) height += std::fabs(scene.gravity[k]) * (scene.domain.upper[k] - scene.domain.lower[k]);
+  return 0.6 * density * height;
 }
 
-/// Two particles, or a particle and a wall (r_b = infinity: infinite mass, flat).
-struct Contact {
-  std::size_t a, b;
-  double r_a, r_b;
+/// Largest omega^2 dt^2 of the scene's packings, and the contact that rules it. Few grains cannot surround one: N of
+/// them make a mode of at most N/2 pairs; what then is left of the surroundings are walls.
+struct Mode {
+  double value = 0;
+  const Judged* ruler = nullptr;
 };
-
-std::string describe(const Scene& scene, const Contact& c) {
-  const std::string first = fmt::format("{} (r = {:g})", scene.materials[c.a].name, c.r_a);
-  if (c.r_b == k_never) return first + " on wall " + scene.materials[c.b].name;
-  return fmt::format("{} - {} (r = {:g})", first, scene.materials[c.b].name, c.r_b);
+Mode packing_of(const Scene& scene, const std::vector<Judged>& contacts, std::int64_t grains, double dt) {
+  Mode of_grains, of_walls;
+  for (const Judged& c : contacts) {
+    Mode& m = c.contact.wall() ? of_walls : of_grains;
+    const double value = mode_of(scene, c, dt);
+    if (value > m.value) m = {value, &c};
+  }
+  const double share = fmin2(1, static_cast<double>(grains) / k_enough_neighbours);
+  const double both = share * of_grains.value + (1 - share) * of_walls.value;
+  if (of_walls.value >= of_grains.value) return of_walls;
+  return {both, share * of_grains.value >= (1 - share) * of_walls.value ? of_grains.ruler : of_walls.ruler};
 }
 
-double mass(double density, double r) { return density * (4.0 / 3.0 * det::k_pi) * (r * r * r); }
-
-/// Limits of one contact: duration, 2 / sqrt(k / m_eff), and the share of the latter that a packing tolerates.
-struct Limits {
-  double contact, pair, packing_share;
-};
-
-/// What the packing limit loses. Tangential springs: the stiffest mode of an fcc packing has omega^2 = (7.9 + 12.5
-/// k_t/k_n) k/m, from the measured limits 0.71 and 0.59 sqrt(m/k) without and with k_t = 2/7 k_n. Damping: an explicit
-/// dashpot of damping ratio z lowers the limit by sqrt(1 + z^2) - z; the ratio of that mode is sqrt(omega^2 /
-/// omega_pair^2) = 2.4 times the pair's. The centred dashpot takes the forces of other contacts from the last step.
-/// With L = 2.4^2 times the pair's stiffness the mode u' = u + L f, f (1 + g/2) = -(kappa x + g u + g/2 (L - 1)
-/// f_last), g = gamma dt, turns unstable (z = -1) at omega^2 dt^2/4 + g (L - 1) = 1: as an explicit dashpot of ratio 2
-/// (1 - 1/L) z.
-double packing_share(double stiffness_ratio, double damping_ratio, Dashpot dashpot) {
-  const double stiff =
-      stiffness_ratio > 2.0 / 7.0 ? std::sqrt((7.9 + 12.5 * 2.0 / 7.0) / (7.9 + 12.5 * stiffness_ratio)) : 1;
-  const double z = (dashpot == Dashpot::centred ? 2 * (2.4 - 1 / 2.4) : 2.4) * damping_ratio;
-  return k_packing_share * stiff * (std::sqrt(1 + z * z) - z);
-}
-
-/// Rolling and twisting springs k = 9/4 k_n mu^2 R*^2 on free spins 2/5 m r^2 (kernels/models/moments.hpp), as limit of
-/// an isolated pair; infinite without them. An explicit dashpot of ratio z costs sqrt(1 + z^2) - z, and eta_r refers to
-/// 7/5 m r^2: z = sqrt(7/2) eta_r on the free spin.
-double spin_limit(const Scene& scene, const PairCoefficients& k, double stiffness, double r_eff, double compliance) {
-  const double mu = scene.contact.rolling == Rolling::epsd ? k.rolling_friction : 0;
-  const double z = std::sqrt(3.5) * k.rolling_damping;
-  const auto limit = [&](double coefficient, double share) {
-    const double omega2 = 2.25 * stiffness * (coefficient * r_eff) * (coefficient * r_eff) * compliance;
-    return omega2 > 0 ? share * 2 / std::sqrt(omega2) : k_never;
-  };
-  const double y = k.twisting_damping;
-  return fmin2(limit(mu, std::sqrt(1 + z * z) - z), limit(k.twisting_friction, std::sqrt(1 + y * y) - y));
-}
-
-/// Largest contact radius [m] of a JKR impact at speed v: the energy 1/2 m v^2 and what attaching sets free, pi w a_c^2
-/// (s^10/15 - 2/3 s^7 + s^4 + 12/5 4^(1/3)) with a = a_c s^2 (kernels/models/jkr.hpp).
-double jkr_radius(double kappa, double e_star, double r, double m, double v) {
-  const double a_c = det::cbrt(kappa * r * r), scale = 8 * e_star * kappa * (a_c * a_c);  // pi w = 8 E* kappa
-  const double energy = 0.5 * m * (v * v) / scale;
-  double low = 1.5874010519681994, high = 1e6;  // s at zero overlap
+/// Largest argument below `high` that `holds`, where it holds for all smaller ones: dashpots leave no closed forms.
+template <class F>
+double bisect(double high, F holds) {
+  double low = 0;
   for (int k = 0; k < 100; ++k) {
-    const double s = 0.5 * (low + high), s3 = s * s * s, s4 = s3 * s;
-    const bool above = s4 * (s3 * s3 / 15 - 2 * s3 / 3 + 1) + 2.4 * 1.5874010519681994 > energy;
-    (above ? high : low) = s;
+    const double middle = 0.5 * (low + high);
+    (holds(middle) ? low : high) = middle;
   }
-  return a_c * high * high;
+  return low;
 }
 
-Limits limits_of(const Scene& scene, const Contact& c, double velocity) {
-  const bool wall = c.r_b == k_never;
-  const Material &a = scene.materials[c.a], &b = scene.materials[c.b];
-  const PairCoefficients& k = scene.pair(static_cast<int>(c.a), static_cast<int>(c.b));
-  const double m_a = mass(a.density, c.r_a);
-  const double m = wall ? m_a : m_a / (m_a + mass(b.density, c.r_b)) * mass(b.density, c.r_b);
-  const double pi = det::k_pi;
-  const double r = wall ? c.r_a : c.r_a * c.r_b / (c.r_a + c.r_b);
-  const double spins = 2.5 / (m_a * c.r_a * c.r_a) + (wall ? 0 : 2.5 / (mass(b.density, c.r_b) * c.r_b * c.r_b));
-  const auto coefficient = [&](DampedSpring spring) {
-    return k.restitution > 0 ? damping_coefficient(k.restitution, spring, scene.contact.clip_tension) : 0;
+/// The step at which that mode turns unstable.
+void set_packing_limit(const Scene& scene, const std::vector<Judged>& contacts, std::int64_t grains,
+                       TimeStepReport& report) {
+  const auto stable = [&](double dt) {
+    // drag on velocities of n-1/2 brakes the alternating motion too late
+    return packing_of(scene, contacts, grains, dt).value < 4 - 2 * scene.viscous_damping * dt;
   };
-  if (scene.contact.model == ContactModel::linear) {
-    const double stiffness = scene.contact.normal_stiffness;
-    const double omega = std::sqrt(stiffness / m);
-    const double z = scene.contact.by_restitution ? 0.5 * coefficient(DampedSpring::linear)
-                                                  : 0.5 * scene.contact.normal_damping / omega;
-    // t_c = pi / sqrt(k/m - (g/2)^2); an overdamped contact never rebounds, its undamped time is the scale
-    const double contact = pi / (omega * (z < 1 ? std::sqrt(1 - z * z) : 1));
-    const double kt = scene.contact.friction ? scene.contact.tangential_stiffness / stiffness : 0;
-    return {contact, fmin2(2 / omega, spin_limit(scene, k, stiffness, r, spins)),
-            packing_share(kt, z, scene.contact.dashpot)};
-  }
-  const double e_star = 1 / ((1 - a.poisson * a.poisson) / a.young + (1 - b.poisson * b.poisson) / b.young);
-  const double g_star =
-      1 / ((2 - a.poisson) * 2 * (1 + a.poisson) / a.young + (2 - b.poisson) * 2 * (1 + b.poisson) / b.young);
-  // A scene at rest without gravity states no speed: take the one that strains a contact by about 1e-4.
-  const double v = velocity > 0 ? velocity : 1e-5 * std::sqrt(e_star / a.density);
-  // delta_max = (15 m v^2 / (16 E* sqrt(R)))^(2/5), t_c = 2.9433 delta_max / v; tangent stiffness 2 E* sqrt(R
-  // delta_max)
-  const double delta = det::pow(15 * m * (v * v) / (16 * e_star * std::sqrt(r)), 0.4);
-  double radius = std::sqrt(r * delta);
-  double contact = 2.9433 * delta / v;
-  if (const double kappa = adhesion_length(scene, static_cast<int>(c.a), static_cast<int>(c.b)); kappa > 0) {
-    // adhesion pulls the contact open wider than the impact alone; 4.03 / omega is the same duration for Hertz
-    radius = jkr_radius(kappa, e_star, r, m, v);
-    contact = 2.9433 * std::sqrt(15.0 / 8.0) / std::sqrt(2 * e_star * radius / m);
-  }
-  const double omega = std::sqrt(2 * e_star * radius / m);
-  // alpha sqrt(m k) delta^(1/4) with k = 4/3 E* sqrt(R): ratio alpha / sqrt(6) of the tangent stiffness 3/2 k
-  // sqrt(delta)
-  const double z = coefficient(DampedSpring::hertz) / std::sqrt(6.0);
-  return {contact, fmin2(2 / omega, spin_limit(scene, k, 2 * e_star * radius, r, spins)),
-          packing_share(scene.contact.friction ? 4 * g_star / e_star : 0, z, scene.contact.dashpot)};
-}
-
-double rayleigh(const Material& m, double r) {
-  if (!(m.young > 0)) return k_never;
-  const double shear = m.young / (2 * (1 + m.poisson));
-  return det::k_pi * r * std::sqrt(m.density / shear) / (0.1631 * m.poisson + 0.8766);
-}
-
-void keep_smaller(TimeStepLimit& limit, double seconds, const Scene& scene, const Contact& c) {
-  if (seconds < limit.seconds) limit = {seconds, describe(scene, c)};
+  double fastest = scene.viscous_damping * scene.viscous_damping;
+  for (const Judged& c : contacts) fastest = fmax2(fastest, c.rest.normal);
+  if (!(fastest > 0)) return;
+  report.packing.seconds = bisect(64 / std::sqrt(fastest), stable);
+  const Judged* ruler = packing_of(scene, contacts, grains, report.packing.seconds).ruler;
+  report.packing.pair = ruler != nullptr ? describe(scene, ruler->contact) : "background damping";
+  if (ruler != nullptr) report.ruler = ruler->impact;
+  if (!scene.contact.friction && scene.viscous_damping == 0 && scene.local_damping == 0)
+    for (const Judged& c : contacts)
+      if (const double limit = k_undamped_share * c.impact.duration;
+          c.impact.normal_rate == 0 && limit < report.packing.seconds)
+        report.packing = {limit, describe(scene, c.contact) + " without damping"};
 }
 
 std::string line(const char* name, double dt, const TimeStepLimit& limit) {
@@ -184,112 +144,178 @@ std::string line(const char* name, double dt, const TimeStepLimit& limit) {
   return fmt::format("{:<20} {:.4g} s, step is {:.3g} of it; {}", name, limit.seconds, dt / limit.seconds, limit.pair);
 }
 
-/// A wall that moves by more than a radius per step could pass a grain unseen. Returns a warning or nothing.
-std::string judge_walls(const Scene& scene, double r_min) {
+/// A wall or a grain that moves by more than a radius per step could pass a grain unseen. Refuses what is sure to;
+/// returns a warning or nothing.
+std::string judge_travel(const Scene& scene, const Population& grains, const WallSet& walls) {
   std::string warning;
-  for (const WallSpec& w : scene.walls) {
-    const WallMotion& m = w.motion;
-    const double speed = std::sqrt(norm2(m.velocity)) + 2 * det::k_pi * m.frequency * std::sqrt(norm2(m.amplitude));
-    const double travel = speed * scene.dt / r_min;
-    if (!(travel > scene.monitor.warn_travel)) continue;
-    const std::string what = fmt::format(
-        "wall '{}' moves by up to {:.3g} of the smallest radius in one step ({:.4g} m/s)", w.name, travel, speed);
-    if (travel > scene.monitor.max_travel)
-      throw Error(ErrorCode::scene, what + ": it could pass particles unseen", scene.file,
-                  fmt::format("a time.step of at most {:.3g} s, or a larger checks.max_travel",
-                              scene.dt * scene.monitor.warn_travel / travel));
+  const MonitorSettings& m = scene.monitor;
+  const auto judge = [&](const std::string& name, const std::string& place, double least, double most,
+                         const char* radius, double speed) {
+    if (!(most > m.warn_travel)) return;
+    const std::string what =
+        fmt::format("{} moves {}{:.3g} of {} in one step ({}{:.4g} m/s)", name, least < most ? "by up to " : "", most,
+                    radius, place.empty() ? "" : place + "; ", speed);
+    if (least > m.max_travel)
+      throw Error(ErrorCode::scene, what + ": it could pass particles or walls unseen", scene.file,
+                  fmt::format("a time.step of at most {} s, or a larger checks.max_travel",
+                              at_most(scene.dt * m.warn_travel / most)));
     if (warning.empty()) warning = what;
+  };
+  const double r = grains.smallest_free();
+  for (int k = 0; k < walls.size() && r > 0; ++k) {
+    const double travel = walls.fastest_point(k) * scene.dt / r;
+    judge(fmt::format("wall '{}'", walls.name(k)), "", travel, travel, "the smallest radius", walls.fastest_point(k));
   }
+  for (const Mover& g : grains.movers)
+    judge(g.name, g.place, g.slowest * scene.dt / g.largest, g.fastest * scene.dt / g.smallest, "its radius",
+          g.fastest);
   return warning;
 }
 
-}  // namespace
-
-TimeStepReport time_step_limits(const Scene& scene, double r_min, double r_max, double speed,
-                                std::span<const char> materials) {
-  TimeStepReport report;
-  report.dt = scene.dt;
-  if (!(scene.dt > 0) || !std::isfinite(scene.dt))
-    throw Error(ErrorCode::scene, fmt::format("time.step: {}: must be a number > 0 [s]", scene.dt), scene.file);
-  if (!(r_min > 0)) return report;  // no particle can ever appear
-  if (scene.contact.model != ContactModel::linear) report.velocity = fmax2(speed, scene_speed(scene));
-  Roles roles = roles_of(scene);
-  if (!materials.empty()) roles.particle.assign(materials.begin(), materials.end());
-  const std::size_t n = scene.materials.size();
-  for (std::size_t a = 0; a < n; ++a) {
-    if (!roles.particle[a]) continue;
-    const auto consider = [&](const Contact& c) {
-      const Limits l = limits_of(scene, c, report.velocity);
-      keep_smaller(report.contact, l.contact, scene, c);
-      keep_smaller(report.isolated_pair, l.pair, scene, c);
-      keep_smaller(report.packing, l.packing_share * l.pair, scene, c);
-    };
-    for (double r_a : {r_min, r_max}) {
-      if (const double t = rayleigh(scene.materials[a], r_a); t < report.rayleigh.seconds)
-        report.rayleigh = {t, fmt::format("{} (r = {:g})", scene.materials[a].name, r_a)};
-      for (std::size_t b = 0; b < n; ++b) {
-        if (roles.particle[b] && b >= a) {
-          for (double r_b : {r_min, r_max}) consider({a, b, r_a, r_b});
-        }
-        if (roles.wall[b]) consider({a, b, r_a, k_never});
-      }
-    }
-  }
-  const double shortest = fmin2(report.rayleigh.seconds, report.contact.seconds);
-  report.share = scene.dt / shortest;
-  report.lines = {line("Rayleigh time", scene.dt, report.rayleigh), line("contact time", scene.dt, report.contact),
-                  line("isolated pair limit", scene.dt, report.isolated_pair),
-                  line("packing limit", scene.dt, report.packing)};
-  if (report.velocity > 0) report.lines.push_back(fmt::format("{:<20} {:.4g} m/s", "judged at speed", report.velocity));
-
+/// Refuses a step above the packing limit, or says why it is uncomfortable.
+std::string judge_step_size(const Scene& scene, const TimeStepReport& report) {
   if (scene.dt > report.packing.seconds) {
     const std::string what = fmt::format("time.step: {:g}: above the packing limit {:.4g} s of {}", scene.dt,
                                          report.packing.seconds, report.packing.pair);
     if (!scene.allow_unstable_step)
       throw Error(
           ErrorCode::scene, what, scene.file,
-          fmt::format("at most {:.4g} s is allowed, or set checks.allow_unstable_step", report.packing.seconds));
-    report.warning = what;
-  } else if (report.share > k_warning_share) {
-    const bool by_rayleigh = report.rayleigh.seconds < report.contact.seconds;
-    report.warning = fmt::format("time.step: {:g}: {:.0f} % of the {} time {:.4g} s of {}; 20 % or less is advised",
-                                 scene.dt, 100 * report.share, by_rayleigh ? "Rayleigh" : "contact", shortest,
-                                 (by_rayleigh ? report.rayleigh : report.contact).pair);
+          fmt::format("at most {} s is allowed, or set checks.allow_unstable_step", at_most(report.packing.seconds)));
+    return what;
   }
-  const std::string walls = judge_walls(scene, r_min);
-  if (report.warning.empty()) report.warning = walls;
+  if (!(report.share > k_warning_share)) return {};
+  const bool by_rayleigh = report.rayleigh.seconds < report.contact.seconds;
+  const TimeStepLimit& shortest = by_rayleigh ? report.rayleigh : report.contact;
+  return fmt::format("time.step: {:g}: {:.0f} % of the {} time {:.4g} s of {}; 20 % or less is advised", scene.dt,
+                     100 * report.share, by_rayleigh ? "Rayleigh" : "contact", shortest.seconds, shortest.pair);
+}
+
+TimeStepReport limits_at(const Scene& scene, const Population& grains, const WallSet& walls, double least_speed) {
+  TimeStepReport report;
+  report.dt = scene.dt;
+  if (!(scene.dt > 0) || !std::isfinite(scene.dt))
+    throw Error(ErrorCode::scene, fmt::format("time.step: {}: must be a number > 0 [s]", scene.dt), scene.file);
+  if (!(grains.smallest_free() > 0)) return report;  // no particle can ever move
+  report.speeds = speeds_of(scene, grains, walls);
+  if (scene.contact.model != ContactModel::linear) report.velocity = fmax2(least_speed, report.speeds.closing);
+  const auto keep = [&](TimeStepLimit& limit, double seconds, const ContactCase& c) {
+    if (seconds < limit.seconds) limit = {seconds, describe(scene, c)};
+  };
+  std::vector<Judged> contacts;
+  const double shared = scene.contact.friction ? 1 : std::sqrt(k_smooth_energy);
+  for (const ContactCase& c : contacts_of(scene, grains)) {
+    const double v = report.velocity,
+                 pressure = bed_pressure(scene, scene.materials[static_cast<std::size_t>(c.a)].density);
+    contacts.push_back(
+        {c, dynamics_of(scene, c, v, 0), dynamics_of(scene, c, v * shared, 0), dynamics_of(scene, c, 0, pressure)});
+    keep(report.contact, contacts.back().impact.duration, c);
+    keep(report.isolated_pair, 2 / std::sqrt(contacts.back().impact.normal), c);
+  }
+  std::int64_t count = 0;
+  for (const GrainKind& k : grains.kinds) {
+    count += k.count;
+    if (k.fixed) continue;
+    const Material& m = scene.materials[static_cast<std::size_t>(k.material)];
+    if (const double t = rayleigh_time(m, k.smallest[0]); t < report.rayleigh.seconds)
+      report.rayleigh = {t, fmt::format("{} (r = {:g})", m.name, k.smallest[0])};
+  }
+  set_packing_limit(scene, contacts, count, report);
+  report.share = scene.dt / fmin2(report.rayleigh.seconds, report.contact.seconds);
+  report.lines = {line("Rayleigh time", scene.dt, report.rayleigh), line("contact time", scene.dt, report.contact),
+                  line("isolated pair limit", scene.dt, report.isolated_pair),
+                  line("packing limit", scene.dt, report.packing)};
+  if (report.speeds.grain > 0)
+    report.lines.push_back(fmt::format("{:<20} {:.4g} m/s", "fastest grain", report.speeds.grain));
+  if (report.speeds.wall > 0)
+    report.lines.push_back(
+        fmt::format("{:<20} {:.4g} m/s ('{}')", "fastest wall point", report.speeds.wall, report.speeds.wall_name));
+  if (report.velocity > 0) report.lines.push_back(fmt::format("{:<20} {:.4g} m/s", "judged at speed", report.velocity));
   return report;
 }
 
-Softening softening(const Scene& scene, double r_max, double speed) {
+}  // namespace
+
+double largest_row(const Scene& scene, const TimeStepReport& report, double level) {
+  const double dt = report.dt;
+  return bisect(level / (dt * dt) * (1 + 1e-12),
+                [&](double row) { return effective_stiffness(scene, report.ruler, row, dt) <= level; });
+}
+
+double step_for_row(const Scene& scene, const TimeStepReport& report, double row, double level) {
+  return bisect(std::sqrt(level / row) * (1 + 1e-12),
+                [&](double dt) { return effective_stiffness(scene, report.ruler, row, dt) <= level; });
+}
+
+std::string at_most(double seconds) { return fmt::format("{:.4g}", seconds * (1 - 5e-4)); }
+
+Speeds speeds_of(const Scene& scene, const Population& grains, const WallSet& walls) {
+  Speeds s;
+  s.grain = grains.fastest();
+  for (int k = 0; k < walls.size(); ++k)
+    if (walls.fastest_point(k) > s.wall) {
+      s.wall = walls.fastest_point(k);
+      s.wall_name = walls.name(k);
+    }
+  double fall2 = 0;  // 2 g H; along periodic axes, where it never ends, one period
+  const auto falls = [&](Vec3 g) {
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) sum += 2 * std::fabs(g[k]) * (scene.domain.upper[k] - scene.domain.lower[k]);
+    fall2 = fmax2(fall2, sum);
+  };
+  falls(scene.gravity);
+  for (const Event& e : scene.events)
+    if (e.action == Event::Action::gravity && e.time < end_of(scene)) falls(e.vector);
+  s.fall = std::sqrt(fall2);
+  const double stated = grains.spread() + s.wall;
+  s.closing = std::sqrt(stated * stated + fall2);
+  return s;
+}
+
+TimeStepReport time_step_limits(const Scene& scene, const Population& grains, const WallSet& walls) {
+  TimeStepReport report = limits_at(scene, grains, walls, 0);
+  report.warning = judge_step_size(scene, report);
+  const std::string travel = judge_travel(scene, grains, walls);
+  if (report.warning.empty()) report.warning = travel;
+  return report;
+}
+
+TimeStepReport time_step_limits(const Scene& scene, double r_min, double r_max, double speed) {
+  const Population grains = population_of(scene, r_min, r_max);
+  const WallSet walls(scene, r_max);
+  TimeStepReport report = limits_at(scene, grains, walls, speed);
+  report.warning = judge_step_size(scene, report);
+  const std::string travel = judge_travel(scene, grains, walls);
+  if (report.warning.empty()) report.warning = travel;
+  return report;
+}
+
+Softening softening(const Scene& scene, const Population& grains, double speed) {
   Softening s;
-  s.speed = fmax2(speed, scene_speed(scene));
-  if (!(r_max > 0)) return s;
+  s.speed = speed;
   constexpr double target = 0.01;  // overlap / radius
-  const Roles roles = roles_of(scene);
-  double heaviest = 0, compliance = 0;  // of the materials that particles can have
-  for (std::size_t a = 0; a < scene.materials.size(); ++a) {
-    const Material& m = scene.materials[a];
-    if (!roles.particle[a]) continue;
-    heaviest = fmax2(heaviest, m.density);
-    if (m.young > 0) compliance = fmax2(compliance, 2 * (1 - m.poisson * m.poisson) / m.young);
-  }
-  const double m = mass(heaviest, r_max);
-  double weight = 0;  // g H along the axes
-  for (int k = 0; k < 3; ++k) weight += std::fabs(scene.gravity[k]) * (scene.domain.upper[k] - scene.domain.lower[k]);
-  s.load = 0.6 * heaviest * weight * (4 * r_max * r_max);
+  const bool linear = scene.contact.model == ContactModel::linear;
   double impact = 0, pressed = 0;  // overlaps / radius
-  if (scene.contact.model == ContactModel::linear) {
-    const double k = scene.contact.normal_stiffness;
-    impact = s.speed * std::sqrt(m / k) / r_max;
-    pressed = s.load / k / r_max;
+  for (const GrainKind& kind : grains.kinds) {
+    if (kind.fixed) continue;
+    const Material& material = scene.materials[static_cast<std::size_t>(kind.material)];
+    const double r = kind.largest[0], m = sphere_mass(material, r);
+    const double load = bed_pressure(scene, material.density) * (4 * r * r);
+    s.load = fmax2(s.load, load);
+    if (linear) {
+      const double k = scene.contact.normal_stiffness;
+      impact = fmax2(impact, s.speed * std::sqrt(m / k) / r);
+      pressed = fmax2(pressed, load / k / r);
+    } else {
+      const double e_star = material.young / (2 * (1 - material.poisson * material.poisson));
+      impact = fmax2(impact, det::pow(15 * m * (s.speed * s.speed) / (16 * e_star * std::sqrt(r)), 0.4) / r);
+      pressed = fmax2(pressed, det::pow(3 * load / (4 * e_star * std::sqrt(0.5 * r)), 2.0 / 3.0) / r);
+    }
+  }
+  if (linear) {
     // stiffness for the target: impact ~ k^-1/2, weight ~ k^-1
     s.factor = fmax2((impact / target) * (impact / target), pressed / target);
     s.step_factor = s.factor > 0 ? 1 / std::sqrt(s.factor) : 0;
   } else {
-    const double e_star = 1 / compliance;
-    impact = det::pow(15 * m * (s.speed * s.speed) / (16 * e_star * std::sqrt(r_max)), 0.4) / r_max;
-    pressed = det::pow(3 * s.load / (4 * e_star * std::sqrt(0.5 * r_max)), 2.0 / 3.0) / r_max;
     // impact ~ E^-2/5, weight ~ E^-2/3; the contact time goes as E^-2/5
     s.factor = fmax2(det::pow(impact / target, 2.5), det::pow(pressed / target, 1.5));
     s.step_factor = s.factor > 0 ? det::pow(s.factor, -0.4) : 0;
@@ -299,11 +325,17 @@ Softening softening(const Scene& scene, double r_max, double speed) {
   return s;
 }
 
+Softening softening(const Scene& scene, double r_max, double speed) {
+  const Population grains = population_of(scene, r_max, r_max);
+  return softening(scene, grains, fmax2(speed, speeds_of(scene, grains, WallSet(scene, r_max)).closing));
+}
+
 StepAdvice step_advice(const TimeStepReport& report) {
   StepAdvice a;
-  a.accurate = fmin2(report.packing.seconds, fmin2(0.2 * report.rayleigh.seconds, report.contact.seconds / 20));
-  // the pair limit of equal spheres is sqrt(2 m / k)
-  a.row_sum = report.isolated_pair.seconds / std::sqrt(12.0);
+  a.limit = report.packing.seconds;
+  a.accurate = fmin2(a.limit, fmin2(0.2 * report.rayleigh.seconds, report.contact.seconds / 20));
+  const double largest = fmin2(a.limit, fmin2(0.2 * report.rayleigh.seconds, report.contact.seconds / 10));
+  a.advised = report.dt >= a.accurate && report.dt <= largest ? report.dt : a.accurate;
   return a;
 }
 

@@ -77,4 +77,31 @@ double fastest(const WallPose& p, std::span<const Vec3> corners) noexcept {
   return std::sqrt(most);
 }
 
+MovingTime moving_time(const WallMotion& m, double appear, double vanish, double end) noexcept {
+  if (!m.any()) return {};
+  const double begin = m.start > 0 ? m.start : 0;  // a window that starts at 0 or earlier is steady motion
+  return {fmax2(begin, appear), fmin2(m.end, fmin2(vanish, end))};
+}
+
+double peak_speed(Vec3 v, Vec3 omega, double arm) noexcept {
+  const double w2 = norm2(omega);
+  if (!(w2 > 0)) return std::sqrt(norm2(v));
+  const double w = std::sqrt(w2), along = dot(v, omega) / w;
+  const double across = std::sqrt(fmax2(0, norm2(v) - along * along)) + w * arm;
+  return std::sqrt(along * along + across * across);
+}
+
+double peak_speed(const WallMotion& m, double arm) noexcept {
+  const Vec3 omega = m.rotation_rate != 0 ? m.rotation_rate * unit(m.rotation_axis) : Vec3{};
+  const Vec3 shake = (2 * det::k_pi * m.frequency) * m.amplitude;
+  return fmax2(peak_speed(m.velocity + shake, omega, arm), peak_speed(m.velocity - shake, omega, arm));
+}
+
+double farthest_from_axis(Vec3 origin, Vec3 axis, std::span<const Vec3> points) noexcept {
+  const Vec3 u = unit(axis);
+  double most = 0;
+  for (const Vec3 x : points) most = fmax2(most, norm2(cross(u, x - origin)));
+  return std::sqrt(most);
+}
+
 }  // namespace talus

@@ -55,6 +55,25 @@ inline Vec3 velocity_at(const WallPose& p, Vec3 x, double dt) noexcept {
 /// (a displacement is affine in the point, its length convex: the maximum is at a corner).
 double travel(const WallPose& from, const WallPose& to, std::span<const Vec3> corners) noexcept;
 
+/// Part of a run in which a wall that acts within [appear, vanish) moves: [from, to) [s]; empty where it never does
+/// while it acts. `end` [s]: of the run.
+struct MovingTime {
+  double from = 0, to = 0;
+  bool any() const noexcept { return from < to; }
+};
+MovingTime moving_time(const WallMotion& motion, double appear, double vanish, double end) noexcept;
+
+/// Largest speed [m/s] of a point at distance `arm` [m] from the axis of rotation while the wall moves, whatever its
+/// direction then: translation and the peak of the vibration V = v +- 2 pi f A, whose part across the axis adds to
+/// |omega| arm once per turn.
+double peak_speed(const WallMotion& motion, double arm) noexcept;
+
+/// The same of a wall with velocity v and angular velocity omega.
+double peak_speed(Vec3 v, Vec3 omega, double arm) noexcept;
+
+/// Largest distance [m] of the points from the line through `origin` along `axis` (any length).
+double farthest_from_axis(Vec3 origin, Vec3 axis, std::span<const Vec3> points) noexcept;
+
 /// Largest speed [m/s] at this pose of any material point inside the hull of body-frame `corners`.
 double fastest(const WallPose& p, std::span<const Vec3> corners) noexcept;
 

@@ -1,5 +1,5 @@
-// What a WallSet holds. Who includes it: core/walls.cpp (set-up, motion, surfaces) and core/wall_contacts.cpp
-// (candidates, contacts) alone.
+// What a WallSet holds. Who includes it: core/walls.cpp (set-up, motion, surfaces), core/wall_contacts.cpp (candidates,
+// contacts) and core/wall_speed.cpp (fastest points) alone.
 #pragma once
 
 #include <variant>
@@ -33,7 +33,9 @@ struct Wall {
   bool moves = false;           ///< at some time
   bool turns_in_place = false;  ///< rotation maps the surface of revolution onto itself
   WallPose pose, marked;
-  double skin = 0;  ///< [m]
+  double skin = 0;     ///< [m]
+  double arm = 0;      ///< largest distance from the axis of rotation of a point that a particle can touch [m]
+  double fastest = 0;  ///< of its points, over the whole run [m/s]
 };
 
 struct WallSet::Impl {
@@ -49,6 +51,7 @@ struct WallSet::Impl {
   double travelled(const Wall& w) const;
   double speed(const Wall& w) const;
   void place_images(Wall& w) const;
+  void judge_speed(const Scene& scene, Wall& w) const;
   double generous(const Wall& w, Vec3 c, double reach) const;
   void list(const Wall& w, Vec3 c, double reach, std::int32_t slot, Vec3 shift, std::vector<std::int32_t>& out,
             std::vector<float>* distance) const;

@@ -237,6 +237,7 @@ WallSet::WallSet(const Scene& scene, double max_reach, double usual_reach) : imp
       throw Error(ErrorCode::scene, "the walls and their periodic images have more than 2^31 elements",
                   "wall \"" + spec.name + "\"", "use coarser meshes");
     w.end_code = static_cast<std::int32_t>(codes);
+    impl_->judge_speed(scene, w);
     impl_->walls.push_back(std::move(w));
   }
   set_step(0, scene.dt > 0 ? scene.dt : 1);

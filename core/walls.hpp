@@ -103,6 +103,15 @@ class WallSet {
   void candidates(Vec3 c, double reach, std::vector<std::int32_t>& out, std::vector<float>* distance = nullptr) const;
   /// The same by asking every image instead of those that can be near: for audits.
   void audit_candidates(Vec3 c, double reach, std::vector<std::int32_t>& out) const;
+  /// Largest speed of a wall's points that particles can touch, over the scene's whole run: translation, rotation and
+  /// the peak of its vibration within the schedule [m/s].
+  double fastest_point(int wall) const;
+  /// Largest distance that such a point has gone in the last step, and the wall [m].
+  struct StepTravel {
+    double distance = 0;
+    int wall = -1;
+  };
+  StepTravel step_travel() const;
   /// How much nearer a wall can have come since mark() to a point at rest [m]: the largest of all walls.
   double largest_travel() const noexcept;
 

@@ -215,6 +215,25 @@ std::vector<WallLoad> wall_loads(const World& w) {
 
 }  // namespace
 
+Column<double> energy_rows(const World& w) {
+  const std::unique_ptr<World> copy = copy_of(w);
+  World& c = *copy;
+  c.has.energies = true;
+  c.energy.assign(w.energy.size(), 0.0);
+  with_threads(c, [&] {
+    rebuild_lists(c);
+    parallel(c, static_cast<int>(c.chunks.size()), [&](int k) {
+      Chunk& q = *c.chunks[static_cast<std::size_t>(k)];
+      narrow_chunk(c, q);
+      force_chunk(c, q);
+      if (c.has.walls) wall_chunk(c, q);
+      c.scratch.give(q.scratch);
+      q.scratch = nullptr;
+    });
+  });
+  return std::move(c.energy);
+}
+
 Frame frame_of(const World& w, const FrameRequest& q) {
   Frame f;
   f.step = w.step;

@@ -136,7 +136,7 @@ void observe_chunk(World& w, Chunk& c) {
     const double speed = __builtin_sqrt((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
     const double* f = s.f.data() + static_cast<long>(w.stride) * (i - c.lo);
     offer(Watch::travel, speed * dt / w.p[4L * i + 3], m.warn_travel, w.id[i], -1);
-    offer(Watch::stiffness, f[3] * v[w.stride - 1] * (dt * dt), m.warn_stiffness, w.id[i], -1);
+    offer(Watch::stiffness, f[3] * v[w.stride - 1] * (dt * dt), w.warn_row, w.id[i], -1);
   }
   for (std::int64_t k = 0; k < c.contact_end[2]; ++k) {
     const Row i = s.ci[static_cast<std::size_t>(k)], j = s.cj[static_cast<std::size_t>(k)];
@@ -160,6 +160,17 @@ void observe_chunk(World& w, Chunk& c) {
     offer(Watch::travel, norm(t.contact.velocity) * dt / r, m.warn_travel, id, wall);
   }
   c.extremes = x;
+}
+
+void judge_walls(World& w) {
+  const WallSet::StepTravel t = w.walls.step_travel();
+  if (!(t.distance > w.wall_step) || w.alive == 0) return;
+  const double allowed = w.wall_step / w.scene.monitor.max_travel, share = t.distance / allowed;
+  fail_step(w, {},
+            fmt::format("wall '{}' moves {:.3g} of the smallest radius in one step: it could pass particles unseen",
+                        w.walls.name(t.wall), share),
+            fmt::format("a time.step of at most {} s, or a larger checks.max_travel",
+                        at_most(w.scene.dt * w.scene.monitor.warn_travel / share)));
 }
 
 void judge_step(World& w) {
@@ -186,12 +197,14 @@ void judge_step(World& w) {
          fmt::format("particle {} and {} overlap by {:.3g} of the smaller radius; stiffer contacts change less of the "
                      "geometry (`talus check` says how stiff)",
                      overlap.id, name_of(w, overlap.partner), overlap.value));
-  if (stiffness.value > m.warn_stiffness)
-    warn(w, "stiffness", m.warn_stiffness, stiffness.value, stiffness.count,
-         fmt::format(
-             "the contacts of particle {} together are so stiff that step^2 k/m = {:.3g}; a time.step of at most "
-             "{:.3g} s is surely stable",
-             stiffness.id, stiffness.value, w.scene.dt * std::sqrt(2 / stiffness.value)));
+  if (stiffness.value > w.warn_row) {
+    const double dt = w.scene.dt, row = stiffness.value / (dt * dt),
+                 effective = effective_stiffness(w.scene, w.time_step.ruler, row, dt);
+    warn(w, "stiffness", m.warn_stiffness, effective, stiffness.count,
+         fmt::format("the contacts of particle {} together are so stiff that step^2 k/m = {:.3g}, with dashpots and "
+                     "tangential springs {:.3g}; a time.step of at most {} s is surely stable",
+                     stiffness.id, stiffness.value, effective, at_most(step_for_row(w.scene, w.time_step, row, 2))));
+  }
   if (w.has.energies && w.start_energy_known && (w.step - 1) % k_energy_every == 0) judge_energy(w);
 }
 

@@ -49,6 +49,8 @@ void warn_of_shortfalls(World& w);
 void warn_of_meshes(World& w);
 /// Fills c.extremes from the step that has just been integrated; p, v2, scratch and wall contacts of the chunk.
 void observe_chunk(World& w, Chunk& c);
+/// Stops where a wall has gone so far in the last step that it could have passed a particle unseen. Error{physics}.
+void judge_walls(World& w);
 /// Warnings and stops of the last step. Error{physics}.
 void judge_step(World& w);
 

@@ -31,10 +31,17 @@ double kinetic_energy_of(const World& w) {
 
 Energies energies_of(const World& w) {
   Energies e;
-  if (!w.has.energies || w.counters.steps == 0 || !w.velocity_at_old_step) return e;
-  // state of step n = w.step - 1: positions p2, velocities at n the mean of n - 1/2 (v2) and n + 1/2 (v)
+  if (!w.has.energies) return e;
+  const bool start = w.step == 0;
+  if (!start && w.counters.steps == 0) return w.resumed;
+  if (!start && !w.velocity_at_old_step) return e;
+  // state of step n = w.step - 1: positions p2, velocities at n the mean of n - 1/2 (v2) and n + 1/2 (v), at the start
+  // those given; before the first step what is given
+  const bool given = w.step == 1 && w.scene.integrator == Integrator::velocity_verlet && w.scene.relax.steps == 0;
+  const auto& old = start ? w.v : w.v2;
   const auto mean2 = [&](Row i, int from) {
-    const double *v = w.v.data() + static_cast<long>(w.stride) * i, *u = w.v2.data() + static_cast<long>(w.stride) * i;
+    const double *u = old.data() + static_cast<long>(w.stride) * i,
+                 *v = given ? u : w.v.data() + static_cast<long>(w.stride) * i;
     double s = 0;
     for (int k = from; k < from + 3; ++k) s += 0.25 * (u[k] + v[k]) * (u[k] + v[k]);
     return s;
@@ -43,11 +50,13 @@ Energies energies_of(const World& w) {
   if (w.has.rotation) e.kinetic_rotation = sum_rows(w, [&](Row i) { return 0.2 * w.mass(i) * mean2(i, 4); });
   const Vec3 weight = w.gravity_along(false);
   e.potential = -w.work.gravity - sum_rows(w, [&](Row i) {
-    const double* x = w.p2.data() + 4L * i;
+    const double* x = (start ? w.p : w.p2).data() + 4L * i;
     const bool free = w.v[static_cast<long>(w.stride) * i + w.stride - 1] > 0;
     return free ? w.mass(i) * dot(weight, Vec3{x[0], x[1], x[2]} + w.scene.domain.lower) : 0.0;
   });
-  e.elastic = sum_rows(w, [&](Row i) { return w.energy[4L * i]; });
+  const Column<double> springs = start ? energy_rows(w) : Column<double>{};
+  const double* stored = start ? springs.data() : w.energy.data();
+  e.elastic = sum_rows(w, [&](Row i) { return stored[4L * i]; });
   e.dissipated_damping = w.work.damping;
   e.dissipated_friction = w.work.friction;
   e.dissipated_background = w.work.background;

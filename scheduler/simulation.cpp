@@ -5,7 +5,6 @@
 #include <cstring>
 
 #include "core/error.hpp"
-#include "core/timestep.hpp"
 #include "scheduler/available_cores.hpp"
 #include "scheduler/parallel.hpp"
 #include "scheduler/world.hpp"
@@ -95,6 +94,15 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
                     (1 + k_usual_skin) * w.r_max + 2 * w.skin.range(w.r_max) + w.skin.drift_travel);
   h.walls = w.walls.size() > 0;
   h.moving_walls = h.walls && w.walls.any_moving();
+}
+
+/// Refuses a step that is not sure to be stable, or in which a wall or grain passes what it should touch.
+void judge_time_step(World& w) {
+  const Population grains = w.insertion->population();
+  w.time_step = time_step_limits(w.scene, grains, w.walls);
+  w.wall_step = w.scene.monitor.max_travel * grains.smallest_free();
+  const double dt2 = w.scene.dt * w.scene.dt;
+  w.warn_row = dt2 * largest_row(w.scene, w.time_step, w.scene.monitor.warn_stiffness);
 }
 
 void choose_chunk(World& w) {
@@ -232,7 +240,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options) : impl_(st
   w.r_min = w.insertion->smallest_radius();
   w.r_max = w.insertion->largest_radius();
   configure(w, scene, options, w.insertion->any_fixed());
-  time_step_limits(scene, w.r_min, w.r_max, 0, w.insertion->materials());  // refuses a step that cannot be stable
+  judge_time_step(w);
   append_particles(w, w.insertion->initial(&w.walls), true);
   warn_of_extent(w);
   for (const std::string& note : w.insertion->notes())
@@ -257,7 +265,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   w.r_max = w.insertion->largest_radius();
   const auto m = in.read_value<Meta>("meta");
   configure(w, scene, options, in.has("fixed"));
-  time_step_limits(scene, w.r_min, w.r_max, 0, w.insertion->materials());
+  judge_time_step(w);
   if (m.stride != w.stride || m.history != w.has.history_columns ||
       m.materials != static_cast<std::int64_t>(scene.materials.size()) || m.dt != scene.dt)
     throw Error(ErrorCode::io, "the checkpoint belongs to another scene (contact law, materials or time step differ)",
@@ -294,6 +302,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   w.inserted_energy = m.inserted_energy;
   w.start_energy = m.start_energy;
   w.start_energy_known = m.start_known != 0;
+  if (w.has.energies && in.has("energies")) w.resumed = in.read_value<Energies>("energies");
   w.work_before = w.work;
   if (in.has("planes")) w.planes.load(in.section("planes"), in.path());
   w.insertion->load(in.section("insertion"));
@@ -358,6 +367,11 @@ double Simulation::kinetic_energy() const { return kinetic_energy_of(impl_->w); 
 Frame Simulation::frame(const FrameRequest& request) const { return frame_of(impl_->w, request); }
 const std::vector<PlaneTotal>& Simulation::planes() const noexcept { return impl_->w.planes.totals(); }
 std::uint64_t Simulation::planes_hash() const { return impl_->w.planes.hash(); }
+const TimeStepReport& Simulation::time_step() const noexcept { return impl_->w.time_step; }
+Softening Simulation::softening(double speed) const {
+  return talus::softening(impl_->w.scene, impl_->w.insertion->population(),
+                          fmax2(speed, impl_->w.time_step.speeds.closing));
+}
 Plan Simulation::plan() const { return plan_of(impl_->w); }
 std::vector<std::pair<std::string, MeshReport>> Simulation::meshes() const { return impl_->w.walls.meshes(); }
 const std::vector<Warning>& Simulation::warnings() const noexcept { return impl_->w.monitor.warnings; }
@@ -428,6 +442,7 @@ void Simulation::save(CheckpointWriter& out) const {
   if (w.has.fixed) out.add_view("fixed", w.fixed.data(), n);
   if (w.has.groups) out.add_view("group", w.group.data(), n);
   write_contacts(w, out);
+  if (w.has.energies) out.add_value("energies", energies_of(w));
   out.add("insertion", w.insertion->save());
   if (w.has.planes) out.add("planes", w.planes.save());
   // Not the K that a run has chosen: it follows measured times, and these bytes are the same however a run is done.

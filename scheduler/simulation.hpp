@@ -12,6 +12,7 @@
 #include "core/io/mesh_file.hpp"
 #include "core/plane_count.hpp"
 #include "core/scene.hpp"
+#include "core/timestep.hpp"
 
 namespace talus {
 
@@ -107,7 +108,8 @@ struct FrameRequest {
 class Simulation {
  public:
   /// Builds everything for step 0. Errors: Error{scene}, also for a time step above the packing limit that the scene
-  /// does not allow (time_step_limits() in core/timestep.hpp); Error{physics}.
+  /// does not allow, or in which a wall or grain goes too far (time_step_limits() in core/timestep.hpp);
+  /// Error{physics}.
   Simulation(const Scene& scene, const RunOptions& options);
   /// Continues from a checkpoint of the same scene (any threads, ISA, chunk, policy, K), or of one that differs where
   /// core/io/scene_changes allows it. `walls`: as wall_numbers() there; empty: the same walls.
@@ -138,6 +140,8 @@ class Simulation {
   const std::vector<PlaneTotal>& planes() const noexcept;
   std::uint64_t planes_hash() const;  ///< over the planes and their totals; state_hash() has none of it
   Plan plan() const;
+  const TimeStepReport& time_step() const noexcept;  ///< what the construction has judged the step by
+  Softening softening(double speed) const;           ///< for impacts at `speed` [m/s] or the fastest that is stated
   std::vector<std::pair<std::string, MeshReport>> meshes() const;  ///< of every mesh wall: name, what was found
   const std::vector<Warning>& warnings() const noexcept;           ///< of this object's steps
   const std::vector<ParticleId>& culprits() const noexcept;        ///< particles that the failure of run() names

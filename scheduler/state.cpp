@@ -30,7 +30,10 @@ Vec3 World::gravity_along(bool periodic) const {
 double World::row_energy(Row i) const {
   const double* u = v.data() + static_cast<long>(stride) * i;
   const double m = mass(i);
-  double e = 0.5 * m * ((u[0] * u[0] + u[1] * u[1]) + u[2] * u[2]);
+  // the row holds v(n-1/2); what gravity adds on the way to n is known, what contacts do is not. At the start v(0).
+  const bool exact = (step == 0 && scene.integrator == Integrator::velocity_verlet) || !(u[stride - 1] > 0);
+  const Vec3 now = Vec3{u[0], u[1], u[2]} + (exact ? 0.0 : 0.5 * scene.dt) * gravity;
+  double e = 0.5 * m * norm2(now);
   if (has.rotation) e += 0.2 * m * ((u[4] * u[4] + u[5] * u[5]) + u[6] * u[6]);
   return u[stride - 1] > 0 ? e - m * dot(gravity_along(false), position(i)) : e;
 }
@@ -86,13 +89,14 @@ void require_room(const World& w, std::size_t rows) {
                  "let the sources deliver fewer", ErrorCode::physics);
 }
 
-void append_particles(World& w, const NewParticles& a, bool at_start) {
+void append_particles(World& w, const NewParticles& a, bool initial) {
   const Row first = w.n;
   if (static_cast<std::int64_t>(first) + static_cast<std::int64_t>(a.size()) > (std::int64_t{1} << 30))
     throw Error(ErrorCode::physics, "more than 2^30 particles", "step " + std::to_string(w.step));
   require_room(w, static_cast<std::size_t>(first) + a.size());
   set_particle_capacity(w, first + static_cast<Row>(a.size()));
-  const double half = at_start ? 0.0 : 0.5 * w.scene.dt;  // a grain born at step n carries v(n-1/2) = v - g dt/2
+  // a grain born at step n carries v(n-1/2) = v - g dt/2
+  const double half = w.step == 0 ? 0.0 : 0.5 * w.scene.dt;
   for (std::size_t q = 0; q < a.size(); ++q) {
     const Row i = first + static_cast<Row>(q);
     const Vec3 x = a.x[q] - w.scene.domain.lower;
@@ -123,7 +127,7 @@ void append_particles(World& w, const NewParticles& a, bool at_start) {
       }
       r[w.stride - 1] = fixed ? 0.0 : 1.0 / m;
     }
-    if (w.has.energies && !at_start)  // at n; the row holds the velocity of half a step before
+    if (w.has.energies && !initial)  // at n; the row holds the velocity of half a step before
       w.inserted_energy += 0.5 * m * norm2(a.v[q]) + 0.2 * m * a.r[q] * a.r[q] * norm2(a.w[q]) -
                            (fixed ? 0 : m * dot(w.gravity_along(false), a.x[q]));
   }

@@ -171,6 +171,7 @@ Decision check_step(World& w, std::int64_t target) {
   }
   w.law_args.start = w.moment_args.start = w.step == 0 ? 1 : 0;
   if (w.has.walls) w.walls.set_step(w.step, w.scene.dt);
+  if (w.has.moving_walls) judge_walls(w);
   const bool insertion = w.has.insertion && w.insertion->next_step(w.step) == w.step;
   const bool event =
       w.next_event < w.scene.events.size() && det::nearest(w.scene.events[w.next_event].time / w.scene.dt) <= w.step;
@@ -262,7 +263,7 @@ void insert_step(World& w) {
     const NewParticles a = batch_of(w);
     warn_of_shortfalls(w);
     if (a.size() > 0) {
-      append_particles(w, a, w.step == 0);
+      append_particles(w, a, false);
       w.counters.inserted += static_cast<std::int64_t>(a.size());
       w.velocity_at_old_step = false;
       make_chunks(w);  // rows of existing chunks do not move; their lists are carried by the rebuild that follows
@@ -331,7 +332,7 @@ StepWork work_of_rows(const World& w, Row from, Row to, Vec3 pull) {
   return part;
 }
 
-/// Adds the work of the finished step to the run's totals.
+/// Adds the work of the finished step to the run's totals. The first step of the motion has no way behind it.
 void add_step_work(World& w) {
   NodeTimer timer(w, w.serial, Node::energy);
   // fixed blocks of 1024 rows in a fixed tree: independent of chunks and threads (I3)
@@ -348,18 +349,20 @@ void add_step_work(World& w) {
   StepWork sum{};
   for (const StepWork& part : w.step_work)
     for (int k = 1; k < 6; ++k) sum[k] = sum[k] + part[k];
-  w.work_before = w.work;
-  w.work.damping += sum[1];
-  w.work.friction += sum[2];
-  w.work.background += sum[3];
-  w.work.gravity += sum[5];
   double power = sum[4];
   if (w.has.moving_walls)
     for (const auto& c : w.chunks)
       for (const double p : c->wall_power) power += p;
-  // energies hold at n: the trapezium rule over [n-1, n]
-  w.work.wall += 0.5 * (w.work.drive + power);
+  w.work_before = w.work;
+  const double before = w.work.drive;
   w.work.drive = power;
+  if (w.step <= w.scene.relax.steps) return;
+  w.work.damping += sum[1];
+  w.work.friction += sum[2];
+  w.work.background += sum[3];
+  w.work.gravity += sum[5];
+  // energies hold at n: the trapezium rule over [n-1, n]
+  w.work.wall += 0.5 * (before + power);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "core/plane_count.hpp"
 #include "core/scene.hpp"
 #include "core/skin.hpp"
+#include "core/timestep.hpp"
 #include "core/types.hpp"
 #include "core/walls.hpp"
 #include "kernels/kernel_table.hpp"
@@ -296,6 +297,9 @@ struct World : Setup {
   std::unique_ptr<Insertion> insertion;
   std::size_t next_event = 0;
   double unstable_limit = 0;  ///< bound on row sum / mass [1/s2]
+  TimeStepReport time_step;   ///< judged at construction
+  double wall_step = 0;       ///< how far a wall may go in one step [m]
+  double warn_row = 0;        ///< row sum / mass, times dt^2, from which on the monitor warns
   bool sampled = false;       ///< the monitor looks at the present step
   MonitorState monitor;
   std::vector<ParticleId> culprits;  ///< named by the failure
@@ -307,6 +311,7 @@ struct World : Setup {
   double inserted_energy = 0;
   std::vector<StepWork> step_work;  ///< by block of k_energy_block rows; with energies only
   PlaneCounts planes;
+  Energies resumed;  ///< of the step before the checkpoint that this run goes on from
   double start_energy = 0;
   bool start_energy_known = false;
   std::atomic<bool> failed{false};
@@ -318,7 +323,7 @@ struct World : Setup {
 
   double mass(Row i) const;                 ///< [kg] from material and radius
   Vec3 gravity_along(bool periodic) const;  ///< its components along the periodic axes, or along the others
-  double row_energy(Row i) const;           ///< kinetic, and potential where the row is free [J]
+  double row_energy(Row i) const;           ///< at n: kinetic, and potential where the row is free [J]
   Vec3 position(Row i) const;               ///< absolute [m]
   /// Drift velocity of a row for the policies that have one (SkinRule::drifts()) [m/s].
   Vec3 drift_of(Row i) const {
@@ -352,7 +357,7 @@ class PartClock {
 
 // --- state.cpp: storage -------------------------------------------------------------------------------------------
 void set_particle_capacity(World& w, Row n);  ///< resizes columns to n rows (+ dead row), keeps content
-void append_particles(World& w, const NewParticles& a, bool at_start);
+void append_particles(World& w, const NewParticles& a, bool initial);  ///< initial: no energy counts as inserted
 void need_chunks(World& w, int count);  ///< adds empty ones where there are fewer
 void make_chunks(World& w);             ///< cuts rows into chunks; keeps existing ones in place
 void remove_row(World& w, Row i);       ///< marks a row dead (I2), counts it
@@ -438,6 +443,8 @@ std::string graph_picture(const World& w);
 
 // --- observe.cpp --------------------------------------------------------------------------------------------------
 Energies energies_of(const World& w);
+/// Energy rows of the contacts of the present positions, as World::energy; only with energies (frame.cpp).
+Column<double> energy_rows(const World& w);
 double kinetic_energy_of(const World& w);
 Frame frame_of(const World& w, const FrameRequest& request);  ///< frame.cpp
 Plan plan_of(const World& w);

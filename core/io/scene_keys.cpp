@@ -375,7 +375,7 @@ constexpr SceneKey k_keys[] = {
     {"checks", "allow_initial_overlap", T::boolean, "", 0, 0, false, "", "false", "",
      "accept initial overlaps up to max_overlap (otherwise 0.05)", "true"},
     {"checks", "allow_unstable_step", T::boolean, "", 0, 0, false, "", "false", "",
-     "accept a time step above the stability limit", "true"},
+     "accept a time step above the packing limit, up to which the densest packing of such contacts is stable", "true"},
     {"checks", "warn_overlap", T::number, "-", 0, k_big, true, "", "0.1", "", "overlap / smaller radius that warns",
      "0.05"},
     {"checks", "warn_travel", T::number, "-", 0, k_big, true, "", "0.1", "",
@@ -383,8 +383,8 @@ constexpr SceneKey k_keys[] = {
     {"checks", "max_travel", T::number, "-", 0, k_big, true, "", "1", "",
      "travel in one step / radius that stops the run: beyond 1 a wall can be crossed unseen", "0.5"},
     {"checks", "warn_stiffness", T::number, "-", 0, k_big, true, "", "2", "",
-     "step^2 times (sum of the stiffnesses of a particle's contacts / its mass) that warns; surely stable up to 2, "
-     "surely unstable from 12 on, which stops",
+     "step^2 times (sum of the stiffnesses of a particle's contacts / its mass) that warns, with what dashpots and "
+     "tangential springs add; surely stable up to 2. Normal springs alone are surely unstable from 12 on, which stops",
      "1"},
     {"checks", "warn_energy", T::number, "-", 0, k_big, true, "", "0.1", "",
      "energy balance residual / energy turned over that warns (with output.energies)", "0.01"},

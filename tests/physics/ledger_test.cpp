@@ -1,10 +1,13 @@
 // The energy ledger: of one bouncing grain against closed forms, and its bits over threads, chunks, instruction sets.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdio>
+#include <string>
 
 #include "kernels/kernel_table.hpp"
 #include "physics_support.hpp"
@@ -160,6 +163,128 @@ TEST(PhysicsLedger, OfAnOedometerClosesHoweverOftenOneLooks) {
   }
   for (std::size_t k = 0; k < ledgers[0].size(); ++k)
     EXPECT_EQ(std::bit_cast<std::uint64_t>(ledgers[1][k]), std::bit_cast<std::uint64_t>(ledgers[0][k])) << k;
+}
+
+/// Two grains that overlap, one of them the floor too, with velocities and spins; k_t > 0.
+Scene pressed(double dt) {
+  const double r = 0.005;
+  Scene s = open_scene({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.2}, dt);
+  linear_law(s, 1e5, 0, 3e4, 0, 0.5);
+  s.walls = {plane("floor", {0, 0, 0}, {0, 0, 1})};
+  s.gravity = {0, 0, -9.81};
+  s.output.energies = s.allow_initial_overlap = true;
+  add_grains(s, {{{0, 0, 0.98 * r}, {0.1, 0, 0.3}, r, {0, 50, 0}}, {{0, 0, 2.95 * r}, {0, 0.2, -0.2}, r}});
+  return s;
+}
+
+TEST(PhysicsLedger, RowZeroHoldsTheEnergiesOfTheGivenState) {
+  const double r = 0.005, m = sphere_mass(2500, r);
+  Simulation sim(pressed(1e-6), options());
+  const Energies e = sim.energies();
+  EXPECT_NEAR(e.kinetic_translation / (0.5 * m * (0.1 * 0.1 + 0.3 * 0.3 + 2 * 0.2 * 0.2)), 1, 1e-12);
+  EXPECT_NEAR(e.kinetic_rotation / (0.2 * m * r * r * 50 * 50), 1, 1e-12);
+  EXPECT_NEAR(e.potential / (m * 9.81 * (0.98 + 2.95) * r), 1, 1e-12);
+  EXPECT_NEAR(e.elastic / (0.5 * 1e5 * r * r * (0.02 * 0.02 + 0.03 * 0.03)), 1, 1e-3);  // and a step's tangential way
+  EXPECT_EQ(e.dissipated_damping + e.dissipated_friction + e.dissipated_background + e.wall_work + e.inserted, 0);
+  EXPECT_EQ(e.residual, 0);
+  const std::uint64_t hash = sim.state_hash();
+  sim.run(1);                                             // its row holds the state of step 0 as well
+  const auto first = all(sim.energies()), zero = all(e);  // in another order of the rows
+  for (std::size_t k = 0; k < zero.size(); ++k)
+    EXPECT_NEAR(first[k], zero[k], 1e-15 * std::fabs(zero[0] + zero[2])) << k;
+  Simulation unasked(pressed(1e-6), options());
+  EXPECT_EQ(unasked.state_hash(), hash);
+  unasked.run(50);
+  sim.run(49);
+  EXPECT_EQ(unasked.state_hash(), sim.state_hash());
+}
+
+TEST(PhysicsLedger, AResumedRunHoldsTheRowsOfTheUninterruptedOne) {
+  const std::string path = testing::TempDir() + "ledger-" + std::to_string(getpid()) + ".checkpoint";
+  for (const std::int64_t stop : {0, 1, 37}) {
+    Simulation whole(pressed(1e-6), options());
+    if (stop > 0) whole.run(stop);
+    CheckpointWriter out;
+    whole.save(out);
+    out.commit(path);
+    Simulation resumed(pressed(1e-6), options(), CheckpointReader(path));
+    for (int n = 0; n < 3; ++n) {
+      const auto a = all(whole.energies()), b = all(resumed.energies());
+      for (std::size_t k = 0; k < a.size(); ++k)
+        EXPECT_EQ(std::bit_cast<std::uint64_t>(a[k]), std::bit_cast<std::uint64_t>(b[k]))
+            << stop << " " << n << " " << k;
+      whole.run(1);
+      resumed.run(1);
+    }
+  }
+  std::remove(path.c_str());
+}
+
+TEST(PhysicsLedger, ResidualOfAStackStartsFromItsTrueEnergy) {
+  // 20 steps per contact; without dashpots the balance must close but for the leapfrog's (omega dt)^2/8 and friction
+  const double contact = k_pi * std::sqrt(0.5 * sphere_mass(2500, 0.005) / 1e5);
+  const auto largest = [&](int per_contact) {
+    Scene s = pressed(contact / per_contact);
+    s.contact.friction = false;
+    Simulation sim(s, options());
+    const double start = sim.energies().kinetic_translation + sim.energies().elastic;
+    double residual = 0;
+    for (int n = 0; n < 40 * per_contact; ++n) {
+      sim.run(1);
+      residual = std::max(residual, std::fabs(sim.energies().residual) / start);
+    }
+    return residual;
+  };
+  const double coarse = largest(20), fine = largest(40);
+  figure("stack, 20 steps per contact: largest residual / start energy", coarse);
+  figure("stack, 40 steps per contact: largest residual / start energy", fine);
+  EXPECT_LT(coarse, 0.02);
+  EXPECT_LT(fine, 0.3 * coarse);  // second order: no offset is left
+}
+
+TEST(PhysicsLedger, ClosesOverEventsInsertionAndRemovalInFreeFlight) {
+  const double dt = 1e-4;
+  Scene s = open_scene({-1, -1, -1}, {1, 1, 1}, dt);
+  linear_law(s, 1e3, 0);
+  s.gravity = {0.3, 0, -9.81};
+  s.output.energies = true;
+  s.groups.resize(1);
+  s.groups[0].name = "one";
+  s.groups[0].ids = {{0, 0}};
+  add_grains(s, {{{0, 0, 0}, {0.2, 0, 1}, 0.005}, {{0.3, 0, -0.8}, {0, 0, -2}, 0.005}});
+  const auto event = [&](Event::Action action, double time, Vec3 vector) {
+    Event e;
+    e.action = action;
+    e.time = time;
+    e.group = action == Event::Action::gravity ? -1 : 0;
+    e.vector = vector;
+    s.events.push_back(e);
+  };
+  event(Event::Action::set_velocity, 0, {0, 0.5, 2});
+  event(Event::Action::set_velocity, 0.05, {1, 1, 3});
+  event(Event::Action::gravity, 0.08, {0, 2, -5});
+  event(Event::Action::freeze, 0.12, {});
+  event(Event::Action::release, 0.15, {});
+  Source q;
+  q.kind = Source::Kind::random;
+  q.name = "late";
+  q.number = 5;
+  q.start = 0.06;
+  q.region = {{-0.5, -0.5, 0.5}, {0.5, 0.5, 0.9}};
+  q.size.diameter = 0.01;
+  q.velocity = {0, 0, -1};
+  s.sources.push_back(q);
+  Simulation sim(s, options());
+  const double scale = 7 * sphere_mass(2500, 0.005) * 10;
+  double residual = 0;
+  std::int64_t least = 7;
+  for (int n = 0; n < 3000; ++n) {
+    sim.run(1);
+    residual = std::max(residual, std::fabs(sim.energies().residual) / scale);
+    if (n > 700) least = std::min(least, sim.particles());
+  }
+  EXPECT_LT(least, 7);  // some have left through the open floor
+  EXPECT_LT(residual, 1e-12);
 }
 
 }  // namespace
