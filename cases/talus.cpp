@@ -10,6 +10,7 @@
 
 #include "cases/cli.hpp"
 #include "cases/cli_console.hpp"
+#include "core/text.hpp"
 
 namespace {
 using namespace talus;
@@ -120,6 +121,9 @@ int main(int argc, char** argv) {
   CLI::App app{"Talus: discrete element method with a local Verlet buffer; the trajectory depends on the scene alone."};
   app.set_version_flag("--version", std::string("talus ") + TALUS_VERSION);
   app.require_subcommand(1);
+  app.failure_message([](const CLI::App*, const CLI::Error& e) {
+    return shown(e.what(), 900) + "\nRun with --help for more information.\n";
+  });
   std::function<int(const Options&)> command;
   const auto add = [&](const char* name, const char* about, int (*function)(const Options&)) {
     CLI::App* sub = app.add_subcommand(name, about);

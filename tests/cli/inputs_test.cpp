@@ -65,6 +65,21 @@ TEST_F(Inputs, ParticleFilesThatAreNoRegularFileAreRefused) {
   expect_refused({"scene.toml"}, 3, "source.0.file: ");
 }
 
+TEST_F(Inputs, WrongUsageIsSaidWithoutRawBytes) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"run", "a.toml", "--b\nad\x1b[31m"},
+                                             {"run", "a.toml", "--threads", "\x07\n"},
+                                             {std::string(5000, '\x01')}}) {
+    const Result r = talus(arguments);
+    EXPECT_EQ(r.exit_code, 2) << r.err;
+    EXPECT_LE(r.err.size(), 1000u);
+    const std::string help = "\nRun with --help for more information.\n";
+    ASSERT_GT(r.err.size(), help.size());
+    EXPECT_EQ(r.err.substr(r.err.size() - help.size()), help);
+    expect_one_line(r.err.substr(0, r.err.size() - help.size() + 1));
+  }
+}
+
 TEST_F(Inputs, NumbersAtTheEndOfTheIntegersAreRefused) {
   write("scene.toml", small_scene());
   expect_refused({"scene.toml", "--set", "contact.friction=9007199254740993"}, 3, "contact.friction: 9007199254740993");
@@ -75,8 +90,8 @@ TEST_F(Inputs, NumbersAtTheEndOfTheIntegersAreRefused) {
 TEST_F(Inputs, MemoryIsJudgedBeforeItIsTaken) {
   write("scene.toml", small_scene());
   expect_refused({"scene.toml", "--set", "output.grid=[10000, 10000, 10000]"}, 3, "of memory, ");
-  // 200 copies of 1e4 x 1e4 tiles
-  write("state.csv", "x,y,z,r\n1e-6,1e-6,0.1,1e-8\n");
+  // 1e9 copies of one grain
+  write("state.csv", "x,y,z,r\n5e-6,5e-6,0.01,1e-8\n");
   write("tiles.toml", from_file("state.csv"));
   expect_refused({"tiles.toml", "--set", "source.0.tile=[10000, 10000, 10]", "--set", "time.step=1e-15"}, 3,
                  "of memory, ");
