@@ -39,7 +39,7 @@ Kinematics kinematics(const Pair& p, const LawArgs& a) {
 double dashpot_velocity(const Pair& p, const Kinematics& k, const LawArgs& a, double spring, double predicted) {
   if (a.recall == 0) return k.vn;
   if (predicted == 0) {
-    const bool touched_now = k.delta < -k.vn * (1.25 * a.dt);
+    const bool touched_now = k.delta < -k.vn * a.dt;
     return touched_now ? k.vn : k.vn - 0.5 * a.dt * spring / k.meff;
   }
   const Vec3 v = p.vi - p.vj;
@@ -55,91 +55,38 @@ Result assemble(const Pair& p, const Kinematics& k, double fn, Vec3 ft) {
   return r;
 }
 
-/// A contact's first and last step: it touches or parts within it, u steps before or after n.
-struct Edge {
-  bool first = false, last = false;
-  double u = 1;
-  bool any() const { return first || last; }
-};
-
-Edge edge(const Kinematics& k, const LawArgs& a, double predicted) {
-  Edge e;
-  const double step = std::abs(k.vn) * a.dt;
-  const bool fresh = a.recall != 0 && predicted == 0;
-  if (a.centred == 0 || a.onset == 0 || a.start != 0) return e;
-  if (k.delta >= (fresh && k.vn <= 0 ? 1.25 * step : step)) return e;  // the normal turns within the step
-  e.u = k.delta / step;
-  e.first = k.vn < 0;
-  e.last = k.vn > 0;
-  return e;
-}
-
-/// Time for which the tangential spring has moved within the step.
-double time_slid(const Edge& e, const LawArgs& a, double predicted) {
-  if (a.start != 0) return 0;
-  if (e.first) return e.u * a.dt;
-  return a.recall != 0 && a.onset != 0 && predicted == 0 ? 0 : a.dt;
-}
-
-/// Denominator of the centred tangential dashpot: `own` is what the pair's spring adds to the normal velocity in a
-/// step, `other` what all other forces do in half a step. At rest they cancel.
-double growth(const LawArgs& a, double full, double own, double other) {
-  if (a.centred == 0) return 1;
-  return a.recall == 0 ? 1 + full : 1 + full * std::clamp((own + 2 * other) / own, 0.0, 1.0);
-}
-
-/// Spring force [N] after a step of sliding at the limit, opposite to the unit vector `along` of the trial force:
-/// d(spring)/dt = k/c (-limit along - spring), L-stable rule of second order. `travel` = k times the time slid; `mean`:
-/// the limit's mean over the step; `trial`: spring force of a contact that sticks; `size`: |trial - c v_t|.
-Vec3 creep(Vec3 trial, Vec3 along, double c, double travel, double limit, double mean, double size) {
-  const double whole = c * (c + travel) + 0.5 * travel * travel;
-  return (c * (c + travel) / whole) * trial + (travel * (c * mean + 0.5 * travel * limit - c * size) / whole) * along;
-}
-
 }  // namespace
 
 Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& xi, double& predicted) {
   const Kinematics k = kinematics(p, a);
   const double scale = a.by_restitution != 0 ? std::sqrt(c.kn / k.meff) : 1;
-  const Edge e = edge(k, a, predicted);
-  const double elastic = c.kn * k.delta;
-  double slid = time_slid(e, a, predicted);
-  double gamma_n = c.gn * scale, load = elastic;
-  if (e.any()) {
-    const bool counted = e.last && a.recall != 0 && predicted == 0;  // by the step before, which foresaw the end
-    gamma_n *= counted ? 0 : 0.5 + e.u;
-    load *= counted ? 0 : (0.5 + e.u) * (0.5 + e.u) / (2 * e.u);
+  const double gamma_t = c.gt;
+  double gamma_n = c.gn * scale;
+  const bool brief = a.centred != 0 && a.onset != 0 && k.delta < std::abs(k.vn) * a.dt;
+  if (brief) {
+    const bool counted = a.recall != 0 && predicted == 0 && k.vn > 0;  // by the step before, which foresaw the end
+    gamma_n *= counted ? 0 : 0.5 + k.delta / (std::abs(k.vn) * a.dt);
   }
-  const double vd = dashpot_velocity(p, k, a, elastic, predicted);
-  double fn = load - gamma_n * k.meff * vd;
+  double fn = c.kn * k.delta - gamma_n * k.meff * dashpot_velocity(p, k, a, c.kn * k.delta, predicted);
   if (a.centred != 0) fn /= 1 + 0.5 * a.dt * gamma_n;
   if (a.clip != 0) fn = std::max(fn, 0.0);
-  predicted = e.last ? 0 : k.vn + a.dt * fn / k.meff;
+  predicted = brief && k.vn > 0 ? 0 : k.vn + a.dt * fn / k.meff;
   if (!friction) return assemble(p, k, fn, {});
-  const double ct = c.gt * k.meff, grow = growth(a, 0.5 * 3.5 * a.dt * c.gt, a.dt * elastic / k.meff, vd - k.vn);
-  bool soon = false;  // it sticks within the next step: the spring takes at once what it will have
-  if (e.first && a.balanced == 0) {
-    const double rho = ct / (c.kt * a.dt), r = norm(k.vt) * c.kt / (c.mu * c.kn * -k.vn);
-    soon = r < 1 && rho * r * (6 - r) / (6 - 4 * r) < e.u + 1;
-    if (soon) slid = a.dt * (e.u - 0.5 * rho * r / (1 - r * (2 + r) / 6));
-  }
-  Vec3 spring = (-c.kt) * (xi - dot(xi, k.n) * k.n + slid * k.vt);
-  Vec3 ft = (1 / grow) * (spring - ct * k.vt);
-  const double limit = c.mu * (a.total != 0 ? std::max(fn, 0.0) : load), size = norm(ft);
+  // in the step in which they touch, the spheres have slid past each other only since then
+  const bool touched_now = a.centred != 0 && a.onset != 0 && k.vn < 0 && k.delta < -k.vn * a.dt;
+  xi = xi - dot(xi, k.n) * k.n + (touched_now ? k.delta / -k.vn : a.dt) * k.vt;
+  const double shrink = a.centred != 0 ? 1 / (1 + 0.5 * 3.5 * a.dt * gamma_t) : 1;
+  Vec3 ft = -shrink * (c.kt * xi + (gamma_t * k.meff) * k.vt);
+  const double limit = c.mu * std::max(fn, 0.0), size = norm(ft);
   if (size > limit) {
     const Vec3 along = (1 / size) * ft;
+    const double spring = std::max(0.0, limit + (shrink * gamma_t * k.meff) * dot(k.vt, along));
     ft = limit * along;
-    const double cap = a.total != 0 ? limit : c.mu * elastic;
-    double mean = a.total != 0 ? cap : cap + 0.5 * c.mu * c.kn * k.vn * a.dt;
-    if (e.first) mean = 0.5 * cap;
     if (a.balanced != 0)
-      spring = grow * ft + ct * k.vt;
-    else if (!soon && slid > 0)
-      spring = creep(spring, along, ct, c.kt * slid, cap, mean, grow * size);
-    else if (!soon)
-      spring = {};
+      xi = (-1 / (c.kt * shrink)) * (ft + (shrink * gamma_t * k.meff) * k.vt);
+    else
+      xi = (-spring / (c.kt * shrink)) * along;
   }
-  xi = (-1 / c.kt) * spring;
   return assemble(p, k, fn, ft);
 }
 
@@ -148,46 +95,33 @@ Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, b
   const Kinematics k = kinematics(p, a);
   const double reff = p.rj > 0 ? p.ri * p.rj / (p.ri + p.rj) : p.ri;
   const double contact = std::sqrt(reff * k.delta), sn = c.kn * contact, st = c.kt * contact;
-  const double ct = c.gt * std::sqrt(k.meff * st), elastic = sn * k.delta;
-  const Edge e = edge(k, a, predicted);
-  const double slid = time_slid(e, a, predicted);
-  double cn = c.gn * std::sqrt(k.meff * sn), load = elastic;
-  if (e.any()) {
-    const bool counted = e.last && a.recall != 0 && predicted == 0;
-    cn *= counted ? 0 : std::pow(0.5 + e.u, 1.25) / (1.25 * std::pow(e.u, 0.25));
-    load *= counted ? 0 : std::pow(0.5 + e.u, 2.5) / (2.5 * std::pow(e.u, 1.5));
-  }
-  const double vd = dashpot_velocity(p, k, a, elastic, predicted);
-  double fn = load - cn * vd;
+  const double cn = c.gn * std::sqrt(k.meff * sn), ct = c.gt * std::sqrt(k.meff * st);
+  double fn = sn * k.delta - cn * dashpot_velocity(p, k, a, sn * k.delta, predicted);
   if (a.centred != 0) fn /= 1 + 0.5 * a.dt * cn / k.meff;
   if (a.clip != 0) fn = std::max(fn, 0.0);
-  predicted = e.last ? 0 : k.vn + a.dt * fn / k.meff;
+  predicted = k.vn + a.dt * fn / k.meff;
   if (!friction) return assemble(p, k, fn, {});
   ft = ft - dot(ft, k.n) * k.n;
   if (contact < radius) ft = (contact / radius) * ft;
-  const double travel = slid * c.kt * (e.first ? 2.0 / 3.0 * contact : std::min(contact, 0.5 * (contact + radius)));
-  ft = ft - travel * k.vt;
+  ft = ft - (c.kt * std::min(contact, 0.5 * (contact + radius)) * a.dt) * k.vt;
   radius = contact;
-  const double grow = growth(a, 0.5 * 3.5 * a.dt * ct / k.meff, a.dt * elastic / k.meff, vd - k.vn);
-  Vec3 total = (1 / grow) * (ft - ct * k.vt);
-  const double limit = c.mu * (a.total != 0 ? std::max(fn, 0.0) : load), size = norm(total);
+  const double shrink = a.centred != 0 ? 1 / (1 + 0.5 * 3.5 * a.dt * ct / k.meff) : 1;
+  Vec3 total = shrink * (ft - ct * k.vt);
+  const double limit = c.mu * std::max(fn, 0.0), size = norm(total);
   if (size > limit) {
     const Vec3 along = (1 / size) * total;
     total = limit * along;
-    const double cap = a.total != 0 ? limit : c.mu * elastic;
-    double mean = a.total != 0 ? cap : cap + c.mu * 0.75 * sn * k.vn * a.dt;
-    if (e.first) mean = 0.4 * cap;
-    ft = creep(ft, along, ct, travel, cap, mean, grow * size);
+    ft = std::max(0.0, limit / shrink + ct * dot(k.vt, along)) * along;
   }
   return assemble(p, k, fn, total);
 }
 
-Vec3 moments(const Pair& p, double press, double stiffness, const AddOnParameters& c, const MomentArgs& a,
+Vec3 moments(const Pair& p, Vec3 force, double stiffness, const AddOnParameters& c, const MomentArgs& a,
              MomentHistory& h) {
   const Vec3 n = (1 / norm(p.xi - p.xj)) * (p.xi - p.xj), w = p.wi - p.wj;
   const double reff = p.ri * p.rj / (p.ri + p.rj), turn = dot(w, n);
   const Vec3 roll = w - turn * n;
-  const double turned = a.start != 0 ? 0 : a.dt;
+  const double press = std::max(dot(force, n) + c.press * reff, 0.0);
   double shrink = 1;
   if (a.rescale != 0) {
     if (stiffness < h.stiffness) shrink = stiffness / h.stiffness;
@@ -200,7 +134,7 @@ Vec3 moments(const Pair& p, double press, double stiffness, const AddOnParameter
   }
   if (a.rolling == 2) {
     const double k = 2.25 * stiffness * (c.rolling * reff) * (c.rolling * reff), limit = c.rolling * reff * press;
-    h.rolling = shrink * (h.rolling - dot(h.rolling, n) * n) - (k * turned) * roll;
+    h.rolling = shrink * (h.rolling - dot(h.rolling, n) * n) - (k * a.dt) * roll;
     if (norm(h.rolling) > limit) {
       h.rolling = (limit / norm(h.rolling)) * h.rolling;
       m = h.rolling;
@@ -213,7 +147,7 @@ Vec3 moments(const Pair& p, double press, double stiffness, const AddOnParameter
   }
   if (a.twisting != 0) {
     const double k = 2.25 * stiffness * (c.twisting * reff) * (c.twisting * reff), limit = c.twisting * reff * press;
-    h.twisting = shrink * h.twisting - k * turned * turn;
+    h.twisting = shrink * h.twisting - k * a.dt * turn;
     double total = 0;
     if (std::abs(h.twisting) > limit) {
       total = h.twisting = std::copysign(limit, h.twisting);

@@ -3,11 +3,8 @@
 //   F_n = S_n delta - alpha sqrt(m_eff S_n) v_n,  alpha = -sqrt(5) ln e / sqrt(pi^2 + ln^2 e)
 //   F_t: stored force, dF = -S_t v_t dt, rescaled by a/a_prev when the contact radius shrinks (no energy from closed
 //   loops); S_t is that of the mean of a_prev and a while the radius grows, which makes the integral second order, and
-//   that of a while it shrinks (of the mean, rescaled from there to a: the same); dashpot gamma_t v_t, gamma_t =
-//   sqrt(2/3) alpha sqrt(m_eff S_t); |F_t| <= mu S_n delta. Coulomb's limit, sliding ("series") and onset are those of
-//   the linear law (linear.hpp) with gamma_t and k_t = S_t; the rates of this law are total derivatives of the overlap
-//   too. With delta = u |v_n| dt in the first and last step, S_n delta and sqrt(S_n) v_n have the weights
-//   (1/2 + u)^(5/2)/(5/2 u^(3/2)) and (1/2 + u)^(5/4)/(5/4 u^(1/4)): without them the order of convergence is 5/4.
+//   that of a while it shrinks (of the mean, rescaled from there to a: the same); dashpot sqrt(2/3) alpha sqrt(m_eff
+//   S_t) v_t, |F_t| <= mu max(F_n, 0)
 // hertz_tsuji differs only in alpha (the polynomial of Tsuji et al.), chosen at set-up.
 // History: with friction 4 columns, the elastic tangential force on i [N] and the last contact radius [m]; centred and
 // damped: one more, see dashpot_velocity() of the linear law.
@@ -74,36 +71,10 @@ void hertz_force(Block& block, const LawArgs& args) {
     if (Friction || a.recall != 0) mid_normal.set(v, n, vn, inv, a.dt, a.synchronised);
     B vd = vn;
     if (a.recall != 0) vd = dashpot_velocity<S>(vn, mid_normal, S::load(b.h_in[k_recall] + k), fn, ms, delta, a.dt);
-    const B elastic = fn, step = S::abs(vn) * dt;
-    const auto approaches = S::lt(vn, zero);
-    B load = elastic, weight = one, counted = one, reach = step;  // as in the linear law
-    B slid = a.start != 0 ? zero : dt;
-    if (a.recall != 0 && a.onset != 0) {
-      const auto fresh = lacks_prediction<S>(S::load(b.h_in[k_recall] + k));
-      if (S::any(fresh)) {
-        slid = S::select(fresh, zero, slid);
-        reach = S::select(fresh, S::select(approaches, S::set(k_first_step) * step, step), step);
-        if (!Adhesive)
-          counted = S::select(fresh, S::select(S::gt(vn, zero), S::select(S::lt(delta, step), zero, one), one), one);
-      }
-    }
-    const auto brief = S::lt(delta, reach);
-    const bool weighed = !Adhesive && a.centred != 0 && a.onset != 0 && a.start == 0 && S::any(brief);
-    if (weighed) {
-      const B u = delta / step, q = half + u, root = S::sqrt(q / u);
-      load = S::select(brief, ((two_fifths * sn) * (step * ((q * q) * root))) * counted, elastic);
-      weight = S::select(brief, (S::set(0.8) * (q * S::sqrt(root))) * counted, one);
-      slid = S::select(brief, S::select(approaches, dt * u, slid), slid);
-    }
-    const B cw = cn * weight;
-    fn = load - cw * vd;
-    if (a.centred != 0) fn = fn / (one + hdt * (cw * ms));
+    fn = fn - cn * vd;
+    if (a.centred != 0) fn = fn / (one + hdt * (cn * ms));
     if (!Adhesive && a.clip != 0) fn = S::select(S::gt(fn, zero), fn, zero);  // as in the linear law
-    if (a.recall != 0) {
-      const B next = vn + dt * (fn * ms);
-      const auto ends = S::gt(vn, zero);
-      S::store(b.h[k_recall] + k, weighed ? S::select(brief, S::select(ends, zero, next), next) : next);
-    }
+    if (a.recall != 0) S::store(b.h[k_recall] + k, vn + dt * (fn * ms));
     B f[3] = {fn * n[0], fn * n[1], fn * n[2]};
     B mid = one;  // dashpot at n-1/2 over that at n
     if constexpr (Energy) {
@@ -123,10 +94,6 @@ void hertz_force(Block& block, const LawArgs& args) {
         mid = S::sqrt(S::sqrt(S::select(S::gt(middle, zero), middle, zero) / delta));
         S::store(b.e[0] + k, two_fifths * (sn * (delta * delta)));
         B loss = dt * ((cn * mid) * (vn * vn));
-        if (weighed) {  // from the instant of touch, and to that of parting
-          const B edge = S::set(0.8) * (delta / S::abs(vn)) * (cn * (vn * vn));
-          loss = S::select(brief, (S::select(approaches, zero, loss) + edge) * counted, loss);
-        }
         if (a.clip != 0) {
           const B last = delta + dt * vn, before = c.kn * (S::sqrt(reff * S::select(S::gt(last, zero), last, zero)));
           loss = S::select(S::gt(fn, zero), loss, two_fifths * (before * (last * last) - sn * (delta * delta)));
@@ -145,44 +112,35 @@ void hertz_force(Block& block, const LawArgs& args) {
       const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
       const B before = S::select(S::gt(last, zero), ((h[0] * h[0] + h[1] * h[1]) + h[2] * h[2]) / last, zero);
       const B rescale = S::select(S::lt(radius, last), radius / last, one);
-      B grow = one;
-      if (a.centred != 0) grow = one + hdt_t * (ct * ms);
-      if (a.recall != 0) grow = tangential_growth<S>(hdt_t * (ct * ms), (elastic * ms) * dt, vd - vn);
-      const B shrink = one / grow, mean = half * (radius + last);
-      B moved = S::select(S::lt(mean, radius), mean, radius);
-      if (weighed)  // the radius has grown as the root of the time since touch
-        moved = S::select(brief, S::select(approaches, S::set(2.0 / 3.0) * radius, moved), moved);
-      const B travelled = slid * (c.kt * moved);
+      const B shrink = a.centred != 0 ? one / (one + hdt_t * (ct * ms)) : one;
+      const B mean = half * (radius + last), moved = S::select(S::lt(mean, radius), mean, radius);
+      const B slid = dt * (c.kt * moved);
       B g[3], trial[3];
       for (int q = 0; q < 3; ++q) {
-        h[q] = trial[q] = (h[q] - hn * n[q]) * rescale - travelled * t[q];
+        h[q] = trial[q] = (h[q] - hn * n[q]) * rescale - slid * t[q];
         g[q] = (h[q] - ct * t[q]) * shrink;
       }
       const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
-      B press = load, held = elastic;
-      if constexpr (Adhesive) press = held = elastic + S::set(3.0) * jkr.pull;
-      if (a.total != 0) {
-        press = fn;
-        if constexpr (Adhesive) press = fn + S::set(3.0) * jkr.pull;
-        held = press = S::select(S::gt(press, zero), press, zero);
-      }
-      // Coulomb's limit at n, and its mean over the step: it grows as the time to the 3/2 from the instant of touch
-      const B limit = c.mu * press, cap = c.mu * held;
-      B mean_cap = cap;
-      if (a.total == 0) mean_cap = cap + (c.mu * S::set(1.5)) * (sn * (hdt * vn));
-      if (weighed) mean_cap = S::select(brief, S::select(approaches, two_fifths * cap, mean_cap), mean_cap);
+      B press = fn;
+      if constexpr (Adhesive) press = fn + S::set(3.0) * jkr.pull;
+      const B limit = c.mu * S::select(S::gt(press, zero), press, zero);
       const auto slides = S::gt(g2, limit * limit);
-      [[maybe_unused]] B inv_g = zero;
+      B damped = zero;  // power of the dashpot
+      if constexpr (Energy) damped = ct * ((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]);
       if (S::any(slides)) {
-        const B memory = ct * (ct + travelled), whole = memory + half * (travelled * travelled);
-        const B size = S::fast ? g2 * over_root<S>(one, g2) : S::sqrt(g2), both = one / (size * whole);
-        inv_g = both * whole;
-        const B share = both * size, scale = S::select(slides, limit * inv_g, one);
-        const B creep = travelled * (ct * mean_cap + half * (travelled * cap));
-        const B keep = memory * share, pull = (creep - (ct * travelled) * (size * grow)) * both;
+        // as in the linear law: the spring carries what the dashpot leaves of the limit, at least nothing
+        const B inv_g = over_root<S>(one, g2), along = ((g[0] * t[0] + g[1] * t[1]) + g[2] * t[2]) * inv_g;
+        const B spring = limit / shrink + ct * along;
+        const B scale = S::select(slides, limit * inv_g, one);
+        const B keep = S::select(S::gt(spring, zero), spring, zero) * inv_g;
         for (int q = 0; q < 3; ++q) {
-          h[q] = S::select(slides, keep * h[q] + pull * g[q], h[q]);
+          h[q] = S::select(slides, g[q] * keep, h[q]);
           g[q] = g[q] * scale;
+        }
+        if constexpr (Energy) {
+          const B capped = zero - limit * along,
+                  mean = half * (capped + S::select(S::gt(before, zero), damped, capped));
+          damped = S::select(slides, S::select(S::gt(spring, zero), damped, mean), damped);
         }
       }
       for (int q = 0; q < 3; ++q) {
@@ -191,31 +149,23 @@ void hertz_force(Block& block, const LawArgs& args) {
       }
       S::store(b.h[3] + k, radius);
       if constexpr (Energy) {
-        // Elastic energy of the tangential spring F^2 / (2 S_t). What the spring has moved heats the dashpot, what it
-        // has not the slider. A change of the contact radius changes F^2 / S_t by the ratio of the smaller to the
-        // larger one (F is rescaled on unloading; on loading S_t grows at constant F, to that of the mean radius before
-        // the increment and to that of the present one after it); neither partner gets that energy, it counts as
+        // Elastic energy of the tangential spring F^2 / (2 S_t). Sliding loses (trial - F) / S_t times the mean of the
+        // force before and after the step. A change of the contact radius changes F^2 / S_t by the ratio of the smaller
+        // to the larger one (F is rescaled on unloading; on loading S_t grows at constant F, to that of the mean radius
+        // before the increment and to that of the present one after it); neither partner gets that energy, it counts as
         // friction.
         const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
-        const B soft = S::select(S::gt(travelled, zero), one / travelled, zero);
-        B moved2 = zero, slip = zero;
-        for (int q = 0; q < 3; ++q) {
-          const B rest = (h[q] - trial[q]) * soft, x = t[q] - rest;  // velocities: of the slider, of the spring
-          moved2 = moved2 + x * x;
-          slip = slip - g[q] * rest;
-        }
-        const B rubbed =
-            S::select(slides, slid * (slip * (mean_cap / S::select(S::gt(limit, zero), limit, one))), zero);
+        B slip = zero;
+        for (int q = 0; q < 3; ++q) slip = slip + (half * ((trial[q] + slid * t[q]) + h[q])) * (trial[q] - h[q]);
         const B kept = S::select(S::lt(radius, last), rescale, last / moved);
         const B released = half * (before * (one - kept) + h2 * (one / moved - one / radius)) / c.kt;
         S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (h2 / st));
-        S::store(b.e[1] + k, S::load(b.e[1] + k) + slid * ((mid * ct) * moved2));
-        S::store(b.e[2] + k, rubbed + released);
+        S::store(b.e[1] + k, S::load(b.e[1] + k) + dt * (mid * damped));
+        S::store(b.e[2] + k, slip / (c.kt * moved) + released);
       }
       S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));
       S::store(b.r[5] + k, lever * (n[0] * g[2] - n[2] * g[0]));
       S::store(b.r[6] + k, lever * (n[1] * g[0] - n[0] * g[1]));
-      S::store(b.r[7] + k, press);
     }
     S::store(b.r[0] + k, f[0]);
     S::store(b.r[1] + k, f[1]);

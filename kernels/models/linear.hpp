@@ -7,21 +7,15 @@
 //   is too soft by gamma dt/2, because there other forces cancel F.
 // - centred: the same with the other forces, in normal direction, from the last step: dashpot_velocity().
 // clip: F_n = max(F_n, 0); what the spring still holds when the dashpot's pull outweighs it is lost.
-// Onset correction: a contact touches and parts within a step. With delta = u |v_n| dt, 0 < u < 1, in its first step
-// and in its last, the impulse of the spring between the touch and n+1/2 is (1/2 + u)^2/(2 u) times k_n delta dt, that
-// of the dashpot 1/2 + u times gamma v_n dt. Without it restitution has an error of order dt that depends on the phase.
-// The tangential spring too starts at the instant of touch: in that step it moves for u dt instead of dt. A contact
-// that starts in overlap (the first step of a run, an insertion) has not slid yet. Coulomb limit: mu times the elastic
-// part of the normal force, k_n delta. Over an impact the dashpot's part sums to nothing (it is a total derivative of
-// the overlap), so that gross sliding has J_t = mu J_n, which the dashpot's pulling tail spoils where the limit is mu
-// max(F_n, 0) (friction_limit = "total"; also taken where F_n never pulls: clip). Sliding:
-// - series (default): spring and dashpot side by side (Kelvin-Voigt) in series with a slider. While the trial force
-//   g = -(k_t xi + gamma_t m_eff v_t) exceeds the limit L, the force is L along g and the spring creeps towards it,
-//     gamma_t m_eff dxi/dt = -L g/|g| - k_t xi,   slip velocity v_t - dxi/dt = (|g| - L)/(gamma_t m_eff), along -g;
-//   both directions dissipate (gamma_t m_eff |dxi/dt|^2 and L times slip), whatever the path, and xi' is continuous
-//   where the contact sticks again. One step, by an L-stable rule of second order, with rho = gamma_t m_eff/(k_t dt):
-//     xi_n = (rho^2 xi_{n-1} - (rho L(n-1/2) + L/2) g/(|g| k_t))/(rho^2 + rho + 1/2)
-// - balanced: the spring takes the scaled force less the dashpot, as vectors, which may load it backwards (LAMMPS).
+// Onset correction: the dashpot acts from the first instant of touch to the last, so its impulse in the step that holds
+// that instant is weighed with the touching time (1/2 + delta/(|v_n| dt)) instead of 1; without it restitution has an
+// error of order dt that depends on the phase. The tangential spring too starts at the instant of touch: in that step
+// it moves for delta/|v_n| instead of dt, without which every sticking contact carries half a step's slip too much
+// (tests/verification/order_test.cpp).
+// Sliding:
+// - bounded: the spring is set to max(0, limit - dashpot) along the force, so that it never stores energy that the
+//   dashpot put into it.
+// - balanced: to the scaled force less the dashpot, as vectors, which may load it backwards (LAMMPS).
 // History: with friction 3 columns, the tangential spring xi [m], oriented i - j; centred and damped: one more, the
 // predicted velocity [m/s].
 // Reads kn, kt [N/m], gn, gt [1/s] (or 2 beta [-] with by_restitution), mu.
@@ -91,10 +85,6 @@ struct MidNormal {
   }
 };
 
-/// Overlap of a contact that has touched within the step, over |v_n| dt, at most: the normal turns within the step, so
-/// that the velocity along it may be a little less than what has closed the gap.
-inline constexpr double k_first_step = 1.25;
-
 /// Contacts that are new, or that part.
 template <class S>
 TALUS_INLINE auto lacks_prediction(typename S::B q) {
@@ -116,7 +106,7 @@ TALUS_INLINE typename S::B dashpot_velocity(typename S::B vn, const MidNormal<S>
   auto u = mid.along + half * ((vn - q) + mid.stretch);
   const auto fresh = lacks_prediction<S>(q);
   if (S::any(fresh)) {
-    const auto touched = S::lt(delta, (zero - vn) * S::set(k_first_step * dt));
+    const auto touched = S::lt(delta, (zero - vn) * S::set(dt));
     u = S::select(fresh, S::select(touched, vn, vn - S::set(0.5 * dt) * (spring * inverse_mass)), u);
   }
   return u;
@@ -142,96 +132,51 @@ TALUS_INLINE typename S::B over_root(typename S::B a, typename S::B b) {
     return a / S::sqrt(b);
 }
 
-/// Coulomb: the factor that brings a trial force g, before its denominator `grow`, to the force, and the spring that is
-/// left, xi = spring xi - pull g. rho = gamma m_eff/(k dt), b = (rho L(n-1/2) + L/2)/k, soft = 1/k. No branch: some of
-/// eight contacts slide often enough that mispredictions cost more than the arithmetic. One division serves all.
+/// Coulomb: the factor that brings a trial force g to the limit, and the spring that carries what the dashpot leaves of
+/// it. No branch: some of eight contacts slide often enough that mispredictions cost more than the arithmetic.
 template <class S>
 struct CoulombLimit {
   typename S::M slides;
-  typename S::B scale, spring, pull;
-  TALUS_INLINE void set(const typename S::B* g, typename S::B limit, typename S::B grow, typename S::B rho,
-                        typename S::B b, typename S::B soft) {
+  typename S::B inv_g, along, spring, scale;  ///< along: tangential velocity along g; spring [N]
+  TALUS_INLINE void set(const typename S::B* g, typename S::B limit, typename S::B power, typename S::B rate) {
     const auto one = S::set(1.0), g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
-    const auto memory = rho * (rho + one), whole = memory + S::set(0.5), most = limit * grow;
-    typename S::B size, inv_g, both, share, shrink;
-    if constexpr (S::fast) {
-      inv_g = S::inverse_sqrt(g2);
-      size = g2 * inv_g;
-      share = S::inverse(whole);
-      shrink = S::inverse(grow);
-      both = share * inv_g;
-    } else {
-      const auto some = S::select(S::gt(g2, S::set(1e-300)), g2, one);  // no force: its direction does not matter
-      size = S::sqrt(some);
-      const auto rest = whole * grow, all = one / (size * rest), q = all * size;
-      inv_g = all * rest;
-      share = q * grow;
-      shrink = q * whole;
-      both = all * grow;
-    }
-    slides = S::gt(g2, most * most);
-    scale = S::select(slides, limit * inv_g, shrink);
-    spring = memory * share;
-    pull = (b - (rho * soft) * size) * both;
+    slides = S::gt(g2, limit * limit);
+    inv_g = over_root<S>(one, g2);
+    along = power * inv_g;
+    spring = limit + rate * along;
+    scale = S::select(slides, limit * inv_g, one);
+  }
+  /// Spring [m] over trial force, for sliding contacts. It never pushes backwards: a spring loaded against the dashpot
+  /// would part with energy that nothing gave back.
+  TALUS_INLINE typename S::B keep(typename S::B back) const {
+    const auto zero = S::set(0.0);
+    return (S::select(S::gt(spring, zero), spring, zero) * inv_g) * back;
   }
 };
-
-/// First step of a contact that sticks before long. Where the spring is slower than the limit, r = k |v_t|/L' < 1 with
-/// L' = mu k_n |v_n|, the dashpot holds against the limit until t_1 = -ln(1 - r) rho dt after touch, and the spring
-/// loses rho dt (r + (1 - r) ln(1 - r))/r of the way; both as rational functions. Where t_1 comes within the next step,
-/// steps do not resolve that: the spring takes at once what it will have, and stays out of the limit's way (rho).
-template <class S>
-TALUS_INLINE void stick_soon(const typename S::B* t, typename S::B rho, typename S::B u, typename S::B rise,
-                             typename S::B dt, typename S::B& slid, typename S::B& keeps, typename S::B& share) {
-  const auto one = S::set(1.0), six = S::set(6.0);
-  const auto r = S::sqrt((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]) / rise;
-  const auto until = ((rho * r) * (six - r)) / (six - S::set(4.0) * r);
-  const auto lost = (S::set(0.5) * (rho * r)) / (one - (r * (S::set(2.0) + r)) * S::set(1.0 / 6.0));
-  const auto pick = [&](typename S::B& to, typename S::B value) {
-    to = S::select(S::lt(r, one), S::select(S::lt(until, u + one), value, to), to);
-  };
-  pick(slid, dt * (u - lost));
-  pick(keeps, S::set(1e30));
-  pick(share, S::set(0.0));
-}
-
-/// What the centred dashpot's denominator in tangential direction counts: 1 + 7/4 gamma dt in a free impact, where all
-/// acceleration is the pair's own (7/2: tangential compliance of two rolling spheres, I = 2/5 m r^2, lever r, over the
-/// translational one), nothing at rest, where the other forces cancel it. The share in between is that of the normal
-/// direction, whose acceleration by other forces dashpot_velocity() knows: `other` times dt/2. So it is of second order
-/// in impacts and exact at rest; between the two an error of at most 7/4 gamma dt times the force is left.
-template <class S>
-TALUS_INLINE typename S::B tangential_growth(typename S::B full, typename S::B own, typename S::B other) {
-  const auto zero = S::set(0.0), one = S::set(1.0);
-  auto left = own + (other + other);
-  left = S::select(S::gt(left, zero), S::select(S::lt(left, own), left, own), zero);
-  return one + full * S::select(S::gt(own, zero), left / own, one);
-}
 
 /// Denominators of the centred dashpot and what else depends on the coefficients alone; loop-invariant where the scene
 /// has one material pair and damping rates, because divisions and square roots are what bounds this kernel.
 template <class S>
 struct LinearFactors {
-  typename S::B gn, gt, soft;      ///< rates; 1/k_t
-  typename S::B relax, cap;        ///< rho over m_eff [1/kg]; Coulomb limit over k_t delta [-]
-  typename S::B spring_n, rate_n;  ///< stiffness and rate over their denominator
-  typename S::B full;              ///< 7/4 gamma_t dt
-  TALUS_INLINE void set(typename S::B kn, typename S::B kt, typename S::B mu, typename S::B damping_n,
-                        typename S::B damping_t, const LawArgs& a) {
-    const auto one = S::set(1.0), zero = S::set(0.0);
-    const auto grow_n = one + S::set(0.5 * a.dt) * damping_n, shrink_n = a.centred != 0 ? one / grow_n : one;
+  typename S::B gn, gt, back;
+  typename S::B spring_n, rate_n, spring_t, rate_t;  ///< stiffnesses and rates over their denominators
+  TALUS_INLINE void set(typename S::B kn, typename S::B kt, typename S::B damping_n, typename S::B damping_t,
+                        const LawArgs& a) {
+    const auto one = S::set(1.0);
+    // Tangential compliance of two rolling spheres is 7/2 of the translational one (I = 2/5 m r^2, lever r).
+    const auto grow_n = one + S::set(0.5 * a.dt) * damping_n, grow_t = one + S::set(0.5 * 3.5 * a.dt) * damping_t;
+    const auto shrink_n = a.centred != 0 ? one / grow_n : one, shrink_t = a.centred != 0 ? one / grow_t : one;
     gn = damping_n;
     gt = damping_t;
     spring_n = kn * shrink_n;
     rate_n = gn * shrink_n;
-    full = a.centred != 0 ? S::set(0.5 * 3.5 * a.dt) * gt : zero;
-    soft = S::select(S::gt(kt, zero), one / kt, zero);  // no spring: nothing to remember
-    relax = gt * (soft * S::set(1 / a.dt));
-    cap = mu * (kn * soft);
+    spring_t = kt * shrink_t;
+    rate_t = gt * shrink_t;
+    back = a.centred != 0 ? grow_t / kt : one / kt;
   }
 };
 
-/// Trial: stops before the Coulomb limit and leaves its input (Block::t). Returns 1/k_t of one material pair.
+/// Trial: stops before the Coulomb limit and leaves its input (Block::t). Returns 1/(k_t shrink) of one material pair.
 template <class S, bool Friction, bool Multi, bool Energy, bool Trial>
 double linear_force(Block& block, const LawArgs& args) {
   using B = typename S::B;
@@ -244,7 +189,7 @@ double linear_force(Block& block, const LawArgs& args) {
   const bool constant = !Multi && a.by_restitution == 0;
   if constexpr (!Multi) {
     c.load(b, a, 0);
-    shared.set(c.kn, c.kt, c.mu, c.gn, c.gt, a);
+    shared.set(c.kn, c.kt, c.gn, c.gt, a);
   }
   for (int k = 0; k < b.n; k += S::W) {
     if constexpr (Multi) c.load(b, a, k);
@@ -256,7 +201,7 @@ double linear_force(Block& block, const LawArgs& args) {
     LinearFactors<S> f = shared;
     if (!constant) {
       const B root = a.by_restitution != 0 ? S::sqrt(c.kn * S::load(b.r[k_mass] + k)) : one;
-      f.set(c.kn, c.kt, c.mu, c.gn * root, c.gt, a);  // the tangential rate stays in 1/s
+      f.set(c.kn, c.kt, c.gn * root, c.gt, a);  // the tangential rate stays in 1/s
     }
     MidNormal<S> mid;
     if (Friction || a.recall != 0) mid.set(v, n, vn, inv, a.dt, a.synchronised);
@@ -266,32 +211,10 @@ double linear_force(Block& block, const LawArgs& args) {
       vd = dashpot_velocity<S>(vn, mid, S::load(b.h_in[k_recall] + k), spring_force, S::load(b.r[k_mass] + k), delta,
                                a.dt);
     const B step = S::abs(vn) * dt;
-    const auto leaves = S::gt(vn, zero);
-    B slid = a.start != 0 ? zero : dt;    // how long the tangential spring has moved with the spheres
-    B rho = meff * f.relax, share = rho;  // see CoulombLimit: b = share L/k + rho (L(n-1/2) - L)/k
-    B counted = one;                      // 0: the last step has counted the contact to its end
-    B load = spring_force;                // what the spring does on average over the step
+    const auto brief = S::lt(delta, step);
+    B slid = dt;      // how long the tangential spring has moved with the spheres
+    B counted = one;  // 0: the last step has counted the dashpot to the end
     B fn = f.spring_n * delta - f.rate_n * (meff * vd);
-    B reach = step;
-    if constexpr (Friction) {
-      share = rho + half;
-      if (a.start != 0) rho = share = zero;
-    }
-    if (a.recall != 0 && a.onset != 0) {
-      const auto fresh = lacks_prediction<S>(S::load(b.h_in[k_recall] + k));
-      if (S::any(fresh)) {  // they have not slid yet, unless they have touched within the step
-        reach = S::select(fresh, S::select(leaves, step, S::set(k_first_step) * step), step);
-        // The dashpot slows a parting pair, which may so touch once more, by less than a step; the step before, told by
-        // its lack of a prediction, has counted that. Without this 0.6 dt/t_c of all phases have an error of order dt.
-        counted = S::select(fresh, S::select(leaves, S::select(S::lt(delta, step), zero, one), one), one);
-        if constexpr (Friction) {
-          slid = S::select(fresh, zero, slid);
-          rho = S::select(fresh, zero, rho);
-          share = S::select(fresh, zero, share);
-        }
-      }
-    }
-    const auto brief = S::lt(delta, reach);
     // a contact that would pull exerts nothing until it parts
     const auto clip = [&] {
       if (a.clip != 0) fn = S::select(S::gt(fn, zero), fn, zero);
@@ -299,21 +222,20 @@ double linear_force(Block& block, const LawArgs& args) {
     const auto remember = [&](B prediction) {
       if (a.recall != 0) S::store(b.h[k_recall] + k, prediction);
     };
-    if (a.centred != 0 && a.onset != 0 && a.start == 0 && S::any(brief)) {
-      // the other lanes keep their bits: how many share a vector depends on the instruction set
-      const B u = delta / step, q = half + u;
-      load = S::select(brief, ((half * c.kn) * (step * (q * q))) * counted, load);
-      const B weight = S::select(brief, q * counted, one);
-      if constexpr (Friction) {
-        // first step: the limit has grown from nothing for u dt, the spring was empty
-        const B r = meff * f.relax, grown = (half * u) * (r + u), whole = r * (r + u) + half * (u * u);
-        const auto touch = [&](B& to, B value) { to = S::select(brief, S::select(S::lt(vn, zero), value, to), to); };
-        touch(slid, dt * u);
-        touch(rho, zero);
-        touch(share, half * (grown / whole));
+    if (a.centred != 0 && a.onset != 0 && S::any(brief)) {
+      slid = S::select(brief, S::select(S::lt(vn, zero), dt * (delta / step), dt), dt);
+      B weight = S::select(brief, half + delta / step, one);
+      const auto leaves = S::gt(vn, zero);
+      if (a.recall != 0) {
+        // The dashpot slows a parting pair, which may so touch once more, by less than a step; the step before, told by
+        // its lack of a prediction, has counted that. Without this 0.6 dt/t_c of all phases have an error of order dt.
+        const auto fresh = lacks_prediction<S>(S::load(b.h_in[k_recall] + k));
+        counted = S::select(brief, S::select(leaves, S::select(fresh, zero, one), one), one);
+        weight = weight * counted;
       }
       const B gn = f.gn * weight;
-      fn = S::select(brief, (load - gn * (meff * vd)) * (one / (one + hdt * gn)), fn);
+      // the other lanes keep their bits: how many share a vector depends on the instruction set
+      fn = S::select(brief, (spring_force - gn * (meff * vd)) * (one / (one + hdt * gn)), fn);
       clip();
       const B next = vn + dt * (fn * S::load(b.r[k_mass] + k));
       remember(S::select(brief, S::select(leaves, zero, next), next));
@@ -342,31 +264,16 @@ double linear_force(Block& block, const LawArgs& args) {
       const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
       B t[3];
       tangential_velocity<S>(v, s, mid, t);
-      if (a.balanced == 0 && a.centred != 0 && a.onset != 0 && a.start == 0 && S::any(brief)) {
-        const auto sticks = [&](B& to, B value) { to = S::select(brief, S::select(leaves, to, value), to); };
-        B lost = slid, keeps = rho, none = share;
-        stick_soon<S>(t, meff * f.relax, delta / step, f.cap * S::abs(vn), dt, lost, keeps, none);
-        sticks(slid, lost);
-        sticks(rho, keeps);
-        sticks(share, none);
-      }
       B h[3] = {S::load(b.h_in[0] + k), S::load(b.h_in[1] + k), S::load(b.h_in[2] + k)};
       const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
-      const B damping = f.gt * meff;
+      const B rate = f.rate_t * meff;
       B g[3], trial[3];
       for (int p = 0; p < 3; ++p) {
         h[p] = trial[p] = (h[p] - hn * n[p]) + t[p] * slid;
-        g[p] = zero - (c.kt * h[p] + damping * t[p]);
+        g[p] = zero - (f.spring_t * h[p] + rate * t[p]);
       }
-      B press = load, creep = share * (f.cap * delta) + (rho * f.cap) * (hdt * vn);
-      if (a.total != 0) {
-        press = S::select(S::gt(fn, zero), fn, zero);
-        creep = share * ((c.mu * press) * f.soft);
-      }
-      const B limit = c.mu * press;
-      const B grow = a.recall != 0
-                         ? tangential_growth<S>(f.full, (spring_force * S::load(b.r[k_mass] + k)) * dt, vd - vn)
-                         : one + f.full;
+      const B limit = c.mu * S::select(S::gt(fn, zero), fn, zero);
+      const B power = (g[0] * t[0] + g[1] * t[1]) + g[2] * t[2];
       if constexpr (Trial) {
         for (int p = 0; p < 3; ++p) {
           S::store(b.h[p] + k, h[p]);
@@ -376,18 +283,29 @@ double linear_force(Block& block, const LawArgs& args) {
         S::store(b.r[3] + k, c.kn);
         S::store(b.r[7] + k, fn);
         S::store(b.t[0] + k, limit);
-        S::store(b.t[1] + k, creep);
-        S::store(b.t[2] + k, rho);
-        S::store(b.t[3] + k, grow);
+        S::store(b.t[1] + k, power);
+        S::store(b.t[2] + k, rate);
         continue;
       }
+      B damped = zero;  // power of the dashpot
+      if constexpr (Energy) damped = (f.gt * meff) * ((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]);
       CoulombLimit<S> coulomb;
-      coulomb.set(g, limit, grow, rho, creep, f.soft);
-      for (int p = 0; p < 3; ++p) {
-        const B left = a.balanced == 0 ? coulomb.spring * h[p] - coulomb.pull * g[p]
-                                       : zero - ((g[p] * coulomb.scale) * grow + damping * t[p]) * f.soft;
-        h[p] = S::select(coulomb.slides, left, h[p]);
-        g[p] = g[p] * coulomb.scale;
+      coulomb.set(g, limit, power, rate);
+      if (a.balanced == 0) {
+        const B keep = coulomb.keep(f.back);
+        for (int p = 0; p < 3; ++p) h[p] = S::select(coulomb.slides, zero - g[p] * keep, h[p]);
+      } else {
+        for (int p = 0; p < 3; ++p)
+          h[p] = S::select(coulomb.slides, zero - (g[p] * coulomb.scale + rate * t[p]) * f.back, h[p]);
+      }
+      for (int p = 0; p < 3; ++p) g[p] = g[p] * coulomb.scale;
+      if (Energy && a.balanced == 0) {
+        // where the limit caps the dashpot itself: the mean of the forces before and after the step counts
+        B last = zero;
+        for (int p = 0; p < 3; ++p) last = last + S::abs(trial[p] - t[p] * slid);
+        const B capped = zero - limit * coulomb.along,
+                mean = half * (capped + S::select(S::gt(last, zero), damped, capped));
+        damped = S::select(coulomb.slides, S::select(S::gt(coulomb.spring, zero), damped, mean), damped);
       }
       for (int p = 0; p < 3; ++p) {
         S::store(b.h[p] + k, h[p]);
@@ -395,34 +313,19 @@ double linear_force(Block& block, const LawArgs& args) {
       }
       if constexpr (Energy) {
         const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
-        // What the spring has moved heats the dashpot, what it has not the slider. Limit: its mean over the step.
-        const B at_rest = S::select(S::gt(slid, zero), one / slid, zero);
-        B moved = zero, work = zero, slip = zero;
-        for (int p = 0; p < 3; ++p) {
-          const B way = t[p] * slid, rest = trial[p] - h[p], x = way - rest;
-          moved = moved + x * x;
-          work = work - g[p] * rest;
-          slip = slip + (half * ((trial[p] - way) + h[p])) * rest;
-        }
-        B rubbed = work, heat = at_rest * moved;
-        if (a.total == 0) {
-          const B now = c.mu * spring_force, change = (c.mu * c.kn) * (hdt * vn);
-          const B mean = S::select(S::lt(slid, dt), half * now, now + change);
-          rubbed = work * (mean / S::select(S::gt(limit, zero), limit, one));
-        }
-        if (a.balanced != 0) {
-          rubbed = c.kt * slip;
-          heat = slid * ((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]);
-        }
+        // the slider moves by what the trial spring exceeds the final one, against the mean of the spring's force
+        // before and after the step (a Coulomb limit that falls releases a loaded spring within few steps)
+        B slip = zero;
+        for (int p = 0; p < 3; ++p) slip = slip + (half * ((trial[p] - t[p] * slid) + h[p])) * (trial[p] - h[p]);
         S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (c.kt * h2));
-        S::store(b.e[1] + k, S::load(b.e[1] + k) + (f.gt * meff) * heat);
-        S::store(b.e[2] + k, S::select(coulomb.slides, rubbed, zero));
+        S::store(b.e[1] + k,
+                 S::load(b.e[1] + k) + dt * (S::select(brief, S::select(S::lt(vn, zero), half, one), one) * damped));
+        S::store(b.e[2] + k, c.kt * slip);
       }
       // T / r = -lever n x F_t, the same for both partners.
       S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));
       S::store(b.r[5] + k, lever * (n[0] * g[2] - n[2] * g[0]));
       S::store(b.r[6] + k, lever * (n[1] * g[0] - n[0] * g[1]));
-      S::store(b.r[7] + k, press);
     }
     S::store(b.r[0] + k, force_i[0]);
     S::store(b.r[1] + k, force_i[1]);
@@ -431,7 +334,7 @@ double linear_force(Block& block, const LawArgs& args) {
   }
   if constexpr (!Trial) return 0;
   double back[S::W];
-  S::store(back, shared.soft);
+  S::store(back, shared.back);
   return back[0];
 }
 
@@ -457,11 +360,11 @@ void scatter_limited(const LimitArgs& args) {
     const B n[3] = {S::load(a.to.r[4] + k), S::load(a.to.r[5] + k), S::load(a.to.r[6] + k)};
     const B fn = S::load(a.to.r[7] + k), lever = a.lever != nullptr ? S::load(a.lever + k) : one;
     CoulombLimit<S> coulomb;
-    coulomb.set(g, S::load(a.t[0] + k), S::load(a.t[3] + k), S::load(a.t[2] + k), S::load(a.t[1] + k), back);
+    coulomb.set(g, S::load(a.t[0] + k), S::load(a.t[1] + k), S::load(a.t[2] + k));
+    const B keep = coulomb.keep(back);
     B r[8], f[3];
     for (int p = 0; p < 3; ++p) {
-      const B h = S::load(a.h[p] + k);
-      S::store(a.h[p] + k, S::select(coulomb.slides, coulomb.spring * h - coulomb.pull * g[p], h));
+      S::store(a.h[p] + k, S::select(coulomb.slides, zero - g[p] * keep, S::load(a.h[p] + k)));
       f[p] = g[p] * coulomb.scale;
       r[p] = fn * n[p] + f[p];
     }

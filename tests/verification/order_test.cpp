@@ -200,45 +200,5 @@ TEST(Order, ClampedStackConvergesWithOrderTwoWhileMovingAndRestsWithoutError) {
   }
 }
 
-/// Displacement of a grain that rests between two planes under a load along them, over that of its two springs.
-double sheared(bool hertz, double dt) {
-  const double r = 0.05, g = 2, squeeze = 0.005 * r;
-  Scene s = open_scene({-1, -1, -1}, {1, 1, 1}, dt);
-  s.materials[0].young = 2e6;
-  s.materials[0].poisson = 0.25;
-  const double m = sphere_mass(s.materials[0].density, r), kt = 6e3;
-  if (hertz) {
-    hertz_law(s, 0.5, 5);
-  } else {
-    linear_restitution(s, 2e4, 0.5, kt, 5);
-    s.contact.tangential_damping = 100;
-  }
-  s.contact.friction = true;
-  s.gravity = {g, 0, 0};
-  s.allow_initial_overlap = true;
-  s.max_overlap = 0.5;
-  s.walls = {plane("floor", {0, 0, 0}, {0, 0, 1}), plane("lid", {0, 0, 2 * r - 2 * squeeze}, {0, 0, -1})};
-  add_grains(s, {{{0, 0, r - squeeze}, {0, 0, 0}, r}});
-  Simulation sim(s, options());
-  sim.run(std::llround(2 / dt));
-  // two like materials: 1/G* = 2 (2 - nu) 2 (1 + nu)/E
-  const double shear = 2e6 / (4 * (2 - 0.25) * (1 + 0.25));
-  const double spring = hertz ? 8 * shear * std::sqrt(r * squeeze) : kt;
-  return sim.frame().x[0].x * 2 * spring / (m * g);
-}
-
-TEST(Order, GrainUnderShearRestsWhereItsSpringsHoldIt) {
-  // The centred dashpot divides the tangential force by 1 + 7/4 gamma_t dt for the pair alone; where other forces hold
-  // the grain that would soften the spring.
-  for (const bool hertz : {false, true})
-    for (const double dt : {1e-4, 1e-5}) {
-      const double ratio = sheared(hertz, dt);
-      figure(std::string("shear at rest, ") + (hertz ? "Hertz" : "linear") + ", dt " + std::to_string(dt) +
-                 ": displacement over load/stiffness - 1",
-             ratio - 1);
-      EXPECT_NEAR(ratio, 1, 1e-8) << hertz << dt;
-    }
-}
-
 }  // namespace
 }  // namespace talus::verification
