@@ -57,6 +57,7 @@ Scene shifted(Vec3 by, bool walls) {
     obstacle.upper = grid(Vec3{0.013, 0.009, 0.004}) + by;
     obstacle.motion.velocity = {0.05, 0, 0.02};
     s.walls = {obstacle};
+    s.allow_initial_overlap = true;
     s.max_overlap = 4;  // the obstacle starts inside the crowd
   } else {
     s.domain.boundary[2] = {Boundary::periodic, Boundary::periodic};
