@@ -45,6 +45,8 @@ int help(const Options& options);
 
 /// --set, --steps and --verlet-k as texts "section.key=value".
 std::vector<std::string> overrides_of(const Options& options);
+/// Error{scene} where a frame of the scene's grid does not fit into memory.
+void require_room(const Scene& scene);
 /// The scene of the command line: file, then --set, --steps and --verlet-k. Errors: Error{scene}, Error{usage}.
 Scene scene_of(const Options& options);
 

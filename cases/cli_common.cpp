@@ -16,11 +16,15 @@ std::vector<std::string> overrides_of(const Options& options) {
   return all;
 }
 
-Scene scene_of(const Options& options) {
-  Scene scene = load_scene(options.scene, overrides_of(options));
+void require_room(const Scene& scene) {
   if (scene.output.grid.on && scene.output.particles_every > 0)
     require_memory(grid_bytes(scene.output.grid.cells), "a frame of this grid", scene.file + ": output.grid",
                    "fewer cells");
+}
+
+Scene scene_of(const Options& options) {
+  Scene scene = load_scene(options.scene, overrides_of(options));
+  require_room(scene);
   return scene;
 }
 

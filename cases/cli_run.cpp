@@ -199,6 +199,7 @@ int run(const Options& options) {
   const SignalGuard signals;  // from here on: a signal before the first step leaves a checkpoint, too
   const Start start = find_start(options);
   const Scene& scene = start.scene.scene;
+  require_room(scene);
   tell_changes(start, options.quiet);
 
   const RunOptions& engine = options.run;
