@@ -3,10 +3,13 @@
 
 #include <fmt/format.h>
 #include <sys/random.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
-#include <random>
+
+#include "core/rng.hpp"
 
 namespace talus {
 namespace {
@@ -17,8 +20,9 @@ constexpr std::size_t k_digits = 16;
 std::uint64_t random_bits() {
   std::uint64_t bits = 0;
   if (getrandom(&bits, sizeof bits, 0) == static_cast<ssize_t>(sizeof bits)) return bits;
-  std::random_device device;  // a kernel without the call
-  return (std::uint64_t{device()} << 32) ^ device();
+  // a kernel without the call: unlike any other run's, if not unguessable
+  return mix64(static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count()) ^
+               (static_cast<std::uint64_t>(getpid()) << 40));
 }
 
 }  // namespace
