@@ -132,9 +132,10 @@ TEST(Includes, HeavyReadersAreInOneTranslationUnitEach) {
       {"toml++", {"toml++/", "toml.hpp"}}, {"HDF5", {"hdf5", "H5"}}};
   for (const auto& [name, prefixes] : libraries) {
     auto users = users_of(prefixes);
+    EXPECT_FALSE(users.empty()) << name;
     // headers that only the files of VTKHDF include (below)
     std::erase_if(users, [](const std::string& file) { return file.rfind("core/io/hdf5_", 0) == 0; });
-    EXPECT_EQ(users.size(), 1u) << name << ": " << joined(users);
+    EXPECT_LE(users.size(), 1u) << name << ": " << joined(users);
     for (const auto& file : users) {
       EXPECT_EQ(top_folder(file), "core") << name << ": " << file;
       EXPECT_EQ(fs::path(file).extension(), ".cpp") << name << " in a header reaches other units: " << file;
