@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/rng.hpp"
+#include "core/text.hpp"
 #include "mesh_support.hpp"
 
 namespace talus {
@@ -132,7 +133,8 @@ TEST(MeshDamage, AnyBytesGiveAValidMeshOrOneLine) {
       const std::string message = e.what();
       ASSERT_EQ(e.code(), ErrorCode::scene);
       ASSERT_LT(message.size(), 400U);
-      for (const char c : message) ASSERT_TRUE(c >= ' ' && c <= '~') << message;
+      ASSERT_EQ(first_invalid_utf8(message), std::string::npos) << message;
+      for (std::size_t i = 0; i < message.size(); ++i) ASSERT_EQ(control_length(message, i), 0U) << message;
     }
     if (HasFatalFailure()) return;
   }
