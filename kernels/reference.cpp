@@ -154,8 +154,9 @@ Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, b
   double cn = c.gn * std::sqrt(k.meff * sn), load = elastic;
   if (e.any()) {
     const bool counted = e.last && a.recall != 0 && predicted == 0;
-    cn *= counted ? 0 : std::pow(0.5 + e.u, 1.25) / (1.25 * std::pow(e.u, 0.25));
-    load *= counted ? 0 : std::pow(0.5 + e.u, 2.5) / (2.5 * std::pow(e.u, 1.5));
+    const double q = 0.5 + e.u, root = std::sqrt(q / e.u);
+    cn *= counted ? 0 : 0.8 * q * std::sqrt(root);   // q^(5/4) / (5/4 u^(1/4))
+    load *= counted ? 0 : 0.4 * q * q * root / e.u;  // q^(5/2) / (5/2 u^(3/2))
   }
   const double vd = dashpot_velocity(p, k, a, elastic, predicted);
   double fn = load - cn * vd;

@@ -208,8 +208,9 @@ void hertz_force(Block& block, const LawArgs& args) {
             S::select(slides, slid * (slip * (mean_cap / S::select(S::gt(limit, zero), limit, one))), zero);
         const B kept = S::select(S::lt(radius, last), rescale, last / moved);
         const B released = half * (before * (one - kept) + h2 * (one / moved - one / radius)) / c.kt;
-        S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (h2 / st));
-        S::store(b.e[1] + k, S::load(b.e[1] + k) + slid * ((mid * ct) * moved2));
+        const B stored = half * (h2 / st), freed = S::select(brief, S::select(approaches, zero, stored), zero);
+        S::store(b.e[0] + k, S::load(b.e[0] + k) + (stored - freed));
+        S::store(b.e[1] + k, S::load(b.e[1] + k) + (slid * ((mid * ct) * moved2) + freed * counted));
         S::store(b.e[2] + k, rubbed + released);
       }
       S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));

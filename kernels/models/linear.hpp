@@ -414,8 +414,10 @@ double linear_force(Block& block, const LawArgs& args) {
           rubbed = c.kt * slip;
           heat = slid * ((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]);
         }
-        S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (c.kt * h2));
-        S::store(b.e[1] + k, S::load(b.e[1] + k) + (f.gt * meff) * heat);
+        // What a parting contact still stores nobody gets back: its dashpot relaxes the spring.
+        const B stored = half * (c.kt * h2), freed = S::select(brief, S::select(leaves, stored, zero), zero);
+        S::store(b.e[0] + k, S::load(b.e[0] + k) + (stored - freed));
+        S::store(b.e[1] + k, S::load(b.e[1] + k) + ((f.gt * meff) * heat + freed * counted));
         S::store(b.e[2] + k, S::select(coulomb.slides, rubbed, zero));
       }
       // T / r = -lever n x F_t, the same for both partners.
