@@ -1,7 +1,7 @@
-// VtkHdfWriter (and VtkHdfReader): particles, walls or contacts over time in one VTKHDF 2.0 temporal PolyData file (ParaView >= 5.12).
-// Who calls it: cases/ (run), one object per file. Invariants: one part per step; NSteps is written last and the file
-// is flushed before and after it, so that a killed run leaves a readable file that ends with a whole frame; times and
-// bytes depend on the frames only.
+// VtkHdfWriter (and VtkHdfReader): particles, walls or contacts over time in one VTKHDF 2.0 temporal PolyData file
+// (ParaView >= 5.12). Who calls it: cases/ (run), one object per file. Invariants: one part per step; NSteps is written
+// last and the file is flushed before and after it, each time through core/io/hdf5_journal, so that a killed run or a
+// failed write leaves a readable file that ends with a whole frame; times and bytes depend on the frames only.
 #pragma once
 
 #include <memory>

@@ -298,7 +298,7 @@ TEST_F(Lifecycle, FilesThatMayNotGrowEndTheRunWithExitFiveAndItCanBeResumed) {
 
 TEST_F(Lifecycle, KilledRunsAndFullDisksLoseNothing) {
   const std::string log = folder / "kills.log";
-  const int status = std::system(("/usr/bin/python3 " TALUS_SOURCE_DIR "/tests/kills.py --kills 4 --sizes 3 --build " +
+  const int status = std::system(("/usr/bin/python3 " TALUS_SOURCE_DIR "/tests/kills.py --kills 3 --sizes 2 --build " +
                                   fs::path(TALUS_BINARY).parent_path().string() + " > " + log + " 2>&1")
                                      .c_str());
   EXPECT_EQ(WEXITSTATUS(status), 0) << read("kills.log");
