@@ -268,8 +268,8 @@ void SeriesWriter::append(const SeriesRow& row) {
                 std::string("cannot append a row: ") + std::strerror(error) + (cut == 0 ? "" : "; last row is torn"),
                 path_, "free some space; rows written before stay valid");
   }
-  file_.mark();
   size_ += text.size();
+  file_.mark(size_);
   last_step_ = row.step;
   previous_ = Previous{row.time, row.removed_mass, row.planes};
 }
