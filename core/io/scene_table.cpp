@@ -567,7 +567,7 @@ std::string normal_text(const SceneKey& key, const toml::node& node) {
   if (node.is_string()) return quoted(node.as_string()->get());
   if (node.is_boolean()) return node.as_boolean()->get() ? "true" : "false";
   const bool whole = key.type == KeyType::integer || key.type == KeyType::cells || key.type == KeyType::id_range;
-  if (!node.is_integer()) return fmt::format("{}", node.value<double>().value_or(0));
+  if (!node.is_integer()) return fmt::format("{}", known(number_in(node)));
   const std::int64_t n = node.as_integer()->get();
   return whole ? fmt::format("{}", n) : fmt::format("{}", static_cast<double>(n));
 }
