@@ -274,6 +274,15 @@ struct VtkHdfWriter::Impl {
     return p;
   }
 
+  /// A file that others have changed is left to them: closing it would write into it.
+  void check_untouched() const {
+    try {
+      watched.check();
+    } catch (...) {
+      broken = true;
+      throw;
+    }
+  }
   std::uint64_t library_size() const {
     hsize_t size = 0;
     check(H5Fget_filesize(file, &size), "get the size");
@@ -282,8 +291,9 @@ struct VtkHdfWriter::Impl {
   void reserve(std::uint64_t bytes) { watched.reserve(bytes); }
   /// After a flush: cuts the room that was not needed.
   void settle() {
-    watched.release(library_size());
-    watched.mark();
+    const std::uint64_t size = library_size();
+    watched.release(size);
+    watched.mark(size);
   }
 
   /// The file appears under its name when it is whole: readers, and a run that is killed here, never leave a torso.
@@ -407,7 +417,7 @@ struct VtkHdfWriter::Impl {
                   path, "each step is written once");
     if (broken)
       throw Error(ErrorCode::io, "was given up after a failed write", path, "resume from the newest checkpoint");
-    watched.check();
+    check_untouched();
     const PolyData p = poly(frame);
     reserve(room(p));
     const auto n_points = static_cast<std::int64_t>(p.points.size());
@@ -501,7 +511,7 @@ VtkHdfWriter VtkHdfWriter::resume(const std::string& path, const ParticleColumns
 }
 
 void VtkHdfWriter::append(const Frame& frame) { impl_->append(frame); }
-void VtkHdfWriter::check() const { impl_->watched.check(); }
+void VtkHdfWriter::check() const { impl_->check_untouched(); }
 std::int64_t VtkHdfWriter::frames() const noexcept { return impl_->frames; }
 std::int64_t VtkHdfWriter::last_step() const noexcept { return impl_->last_step; }
 

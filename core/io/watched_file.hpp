@@ -36,8 +36,9 @@ class WatchedFile {
   int fd() const noexcept { return fd_; }
   const std::string& path() const noexcept { return path_; }
   void renamed(std::string path) { path_ = std::move(path); }
-  /// The present size is the right one.
+  /// The present size, or the given one, is the right one from now on.
   void mark();
+  void mark(std::uint64_t size) { size_ = static_cast<off_t>(size); }
   /// Error{io} if the file has been deleted, replaced, or has another size than at mark().
   void check() const;
   /// Makes room for `bytes` behind the end, or Error{io} with the system's reason and nothing changed. The file may be
