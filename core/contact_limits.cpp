@@ -125,8 +125,8 @@ double normal_term(const Scene& scene, double omega2, double rate, double dt) {
   return (spring + 4 * g) / (1 + g);
 }
 
-/// The same for the tangential dashpot. The free pair also spins: 7/2 of the compliance in the pairwise denominator;
-/// that of the centred form is between this one and, in contacts at rest, 1.
+/// The same for the tangential dashpot. The free pair also spins: 7/2 of the compliance in the pairwise denominator. The
+/// centred form is judged without one, which is safe for every form in between.
 double tangential_term(const Scene& scene, double omega2, double rate, double dt) {
   const double g = rate * dt, spring = omega2 * (dt * dt) + 2 * g;
   return scene.contact.dashpot == Dashpot::pairwise ? spring / (1 + 0.5 * 3.5 * g) : spring;
@@ -170,6 +170,11 @@ double packing_mode(const Scene& scene, const ContactDynamics& c, bool wall, dou
   const double spins = 8 * fmax2(turn, roll) + 0.8 * fmin2(turn, roll) + 4 * twist;
   const double mode = wall ? fmax2(2 * n + 4 * t, 0.5 * spins) : fmax2(4 * n + 4 * t, spins);
   return mode * (1 + scene.local_damping);  // that brakes, so in the turning points it adds to the force
+}
+
+double pair_mode(const Scene& scene, const ContactDynamics& c, double dt) {
+  return fmax2(normal_term(scene, c.normal, c.normal_rate, dt),
+               3.5 * tangential_term(scene, c.tangential, c.tangential_rate, dt));
 }
 
 double effective_stiffness(const Scene& scene, const ContactDynamics& c, double row, double dt) {

@@ -35,6 +35,9 @@ ContactDynamics dynamics_of(const Scene& scene, const ContactCase& c, double spe
 /// to step grows, which it does before any other.
 double packing_mode(const Scene& scene, const ContactDynamics& c, bool wall, double dt);
 
+/// The same of one contact by itself: its own directions, 7/2 of the compliance tangentially.
+double pair_mode(const Scene& scene, const ContactDynamics& c, double dt);
+
 /// Sum of the contact stiffnesses of a particle over its mass, times dt^2, with what dashpots and tangential springs of
 /// contacts like `c` add: up to 2 any arrangement of contacts is stable (sum k (n.u)^2 <= sum k u^2). `row` [1/s2].
 double effective_stiffness(const Scene& scene, const ContactDynamics& c, double row, double dt);

@@ -95,14 +95,17 @@ struct Mode {
   const Judged* ruler = nullptr;
 };
 Mode packing_of(const Scene& scene, const std::vector<Judged>& contacts, std::int64_t grains, double dt) {
-  Mode of_grains, of_walls;
-  for (const Judged& c : contacts) {
-    Mode& m = c.contact.wall() ? of_walls : of_grains;
-    const double value = mode_of(scene, c, dt);
+  Mode of_grains, of_walls, of_pairs;
+  const auto keep = [](Mode& m, double value, const Judged& c) {
     if (value > m.value) m = {value, &c};
+  };
+  for (const Judged& c : contacts) {
+    keep(c.contact.wall() ? of_walls : of_grains, mode_of(scene, c, dt), c);
+    keep(of_pairs, pair_mode(scene, c.impact, dt), c);
   }
   const double share = fmin2(1, static_cast<double>(grains) / k_enough_neighbours);
   const double both = share * of_grains.value + (1 - share) * of_walls.value;
+  if (of_pairs.value >= fmax2(both, of_walls.value)) return of_pairs;
   if (of_walls.value >= of_grains.value) return of_walls;
   return {both, share * of_grains.value >= (1 - share) * of_walls.value ? of_grains.ruler : of_walls.ruler};
 }
@@ -126,7 +129,7 @@ void set_packing_limit(const Scene& scene, const std::vector<Judged>& contacts, 
     return packing_of(scene, contacts, grains, dt).value < 4 - 2 * scene.viscous_damping * dt;
   };
   double fastest = scene.viscous_damping * scene.viscous_damping;
-  for (const Judged& c : contacts) fastest = fmax2(fastest, c.rest.normal);
+  for (const Judged& c : contacts) fastest = fmax2(fastest, c.impact.normal);
   if (!(fastest > 0)) return;
   report.packing.seconds = bisect(64 / std::sqrt(fastest), stable);
   const Judged* ruler = packing_of(scene, contacts, grains, report.packing.seconds).ruler;
@@ -206,8 +209,8 @@ TimeStepReport limits_at(const Scene& scene, const Population& grains, const Wal
   for (const ContactCase& c : contacts_of(scene, grains)) {
     const double v = report.velocity,
                  pressure = bed_pressure(scene, scene.materials[static_cast<std::size_t>(c.a)].density);
-    contacts.push_back(
-        {c, dynamics_of(scene, c, v, 0), dynamics_of(scene, c, v * shared, 0), dynamics_of(scene, c, 0, pressure)});
+    contacts.push_back({c, dynamics_of(scene, c, v, 0), dynamics_of(scene, c, v * shared, 0),
+                        dynamics_of(scene, c, v > 0 && !(pressure > 0) ? 1e-9 : 0, pressure)});
     keep(report.contact, contacts.back().impact.duration, c);
     keep(report.isolated_pair, 2 / std::sqrt(contacts.back().impact.normal), c);
   }
