@@ -209,7 +209,7 @@ TEST(TimeStep, PairsOnlyGrainsThatExist) {
   p.add(0, false, 0.001, 0.001, 5000);
   p.add(1, false, 0.010, 0.010, 1);
   const TimeStepReport t = time_step_limits(s, p, none);
-  EXPECT_EQ(t.packing.pair, "soft (r = 0.001) - soft (r = 0.001)");
+  EXPECT_EQ(t.packing.pair, "soft (r = 0.001) - steel (r = 0.01)");
   // without knowing there might be steel grains of 1 mm: stiffer by the root and more
   EXPECT_LT(time_step_limits(s, 0.001, 0.010).packing.seconds, 0.1 * t.packing.seconds);
   p.add(1, false, 0.010, 0.010, 1);  // two steel spheres can meet
