@@ -297,13 +297,14 @@ Scene crossing_walls() {
   s.contact.normal_stiffness = 1500;
   s.pairs[0].rolling_friction = 0.1;
   s.pairs[0].rolling_damping = 0.3;
-  Source fill = source(Source::Kind::lattice, "fill", {0.1, 0, -0.193}, {0.13, 0.024, -0.177}, 1.6e-3, 2e-3);
+  Source fill = source(Source::Kind::lattice, "fill", {0.1, 0, -0.193}, {0.13, 0.024, -0.1795}, 1.6e-3, 2e-3);
   fill.spacing = 1.15;
   fill.number = 750;
   fill.velocity = {0, 0, -1};
   fill.velocity_jitter = 0.6;
   s.sources = {fill};
-  // Ends in the side, and goes round twice. The walls keep a grain's diameter apart: nothing is crushed between them.
+  // Ends in the side, and goes round twice. All walls and their images keep a grain's diameter apart:
+  // nothing is crushed between them.
   WallSpec belt;
   belt.name = "belt";
   belt.shape = WallShape::box;
@@ -314,8 +315,8 @@ Scene crossing_walls() {
   WallSpec paddle;
   paddle.name = "paddle";
   paddle.shape = WallShape::box;
-  paddle.lower = {0.098, -0.006, -0.2045};
-  paddle.upper = {0.102, 0.006, -0.1955};
+  paddle.lower = {0.098, -0.003, -0.201};
+  paddle.upper = {0.102, 0.003, -0.199};
   paddle.motion.rotation_axis = {1, 2, 1};
   paddle.motion.rotation_rate = 50;
   paddle.motion.rotation_origin = {0.1, 0, -0.2};
@@ -323,7 +324,7 @@ Scene crossing_walls() {
   WallSpec bar;
   bar.name = "bar";
   bar.shape = WallShape::cone;
-  bar.point = {0.111, 0.015, -0.1712};
+  bar.point = {0.111, 0.015, -0.1715};
   bar.axis = {0, 1, 0};
   bar.length = 0.016;
   bar.radius = 0.0015;
@@ -336,7 +337,7 @@ Scene crossing_walls() {
   floor.shape = WallShape::mesh;
   floor.file = bumpy_mesh(4, 0.04);
   floor.scale = 0.024;
-  floor.shift = {0.114, 0, -0.1745};
+  floor.shift = {0.114, 0, -0.177};
   s.walls = {belt, paddle, bar, floor};
   return s;
 }
