@@ -275,9 +275,9 @@ struct VtkHdfWriter::Impl {
   }
 
   /// A file that others have changed is left to them: closing it would write into it.
-  void check_untouched() const {
+  void check_untouched(void (WatchedFile::*check_of)() const = &WatchedFile::check) const {
     try {
-      watched.check();
+      (watched.*check_of)();
     } catch (...) {
       broken = true;
       throw;
@@ -291,6 +291,7 @@ struct VtkHdfWriter::Impl {
   void reserve(std::uint64_t bytes) { watched.reserve(bytes); }
   /// After a flush: cuts the room that was not needed.
   void settle() {
+    check_untouched(&WatchedFile::check_room);
     const std::uint64_t size = library_size();
     watched.release(size);
     watched.mark(size);

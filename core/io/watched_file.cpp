@@ -27,12 +27,14 @@ WatchedFile& WatchedFile::operator=(WatchedFile&& o) noexcept {
   std::swap(path_, o.path_);
   std::swap(fd_, o.fd_);
   std::swap(size_, o.size_);
+  std::swap(room_end_, o.room_end_);
   return *this;
 }
 
 void WatchedFile::mark() {
   struct stat st = {};
   if (fstat(fd_, &st) == 0) size_ = st.st_size;
+  room_end_ = 0;
 }
 
 void WatchedFile::check() const {
@@ -45,14 +47,23 @@ void WatchedFile::check() const {
   } else if (there.st_size != size_) {
     what = there.st_size < size_ ? "was truncated during the run" : "was written to by others during the run";
   }
-  if (what != nullptr)
-    throw Error(ErrorCode::io, what, path_, "leave the files of a run alone until it has ended; --resume continues it");
+  if (what != nullptr) fail(what);
+}
+
+void WatchedFile::check_room() const {
+  struct stat mine = {};
+  if (room_end_ > 0 && fstat(fd_, &mine) == 0 && mine.st_size < room_end_) fail("was truncated during the run");
+}
+
+void WatchedFile::fail(const char* what) const {
+  throw Error(ErrorCode::io, what, path_, "leave the files of a run alone until it has ended; --resume continues it");
 }
 
 void WatchedFile::reserve(std::uint64_t bytes) {
   const auto length = static_cast<off_t>(bytes);
   int error = posix_fallocate(fd_, size_, length);
   while (error == EINTR) error = posix_fallocate(fd_, size_, length);
+  if (error == 0) room_end_ = size_ + length;
   // Where the file system cannot say, the writes themselves will.
   if (error == 0 || error == EOPNOTSUPP || error == EINVAL || error == ENODEV) return;
   release(static_cast<std::uint64_t>(size_));

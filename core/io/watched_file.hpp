@@ -38,18 +38,26 @@ class WatchedFile {
   void renamed(std::string path) { path_ = std::move(path); }
   /// The present size, or the given one, is the right one from now on.
   void mark();
-  void mark(std::uint64_t size) { size_ = static_cast<off_t>(size); }
+  void mark(std::uint64_t size) {
+    size_ = static_cast<off_t>(size);
+    room_end_ = 0;
+  }
   /// Error{io} if the file has been deleted, replaced, or has another size than at mark().
   void check() const;
   /// Makes room for `bytes` behind the end, or Error{io} with the system's reason and nothing changed. The file may be
   /// longer afterwards; release() cuts it.
   void reserve(std::uint64_t bytes);
+  /// Error{io} if the room of reserve() is not there any more: somebody cut the file while it was written.
+  void check_room() const;
   void release(std::uint64_t size);
 
  private:
+  [[noreturn]] void fail(const char* what) const;
+
   std::string path_;
   int fd_ = -1;
-  off_t size_ = 0;  ///< at mark()
+  off_t size_ = 0;      ///< at mark()
+  off_t room_end_ = 0;  ///< of reserve() until mark(); 0: none
 };
 
 }  // namespace talus
