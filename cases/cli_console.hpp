@@ -27,8 +27,7 @@ void tell(fmt::format_string<T...> form, T&&... values) {
 }
 
 /// Opens descriptors 0 to 2 where they are closed, on /dev/null: otherwise the next files that the program opens would
-/// get these numbers, and messages would be written into them. Ignores SIGPIPE and SIGXFSZ: writes
-/// report them.
+/// get these numbers, and messages would be written into them.
 void secure_descriptors() noexcept;
 
 }  // namespace talus::cli

@@ -78,7 +78,7 @@ int explain(const Options& options) {
   put("  particles at step 0   {}\n", grouped(simulation.particles()));
   put("  contact law           {}\n", plan.law);
   put("  list policy           {}, K = {}; {}\n", plan.policy,
-             scene.list.automatic ? std::string("auto") : fmt::format("{}", scene.list.verlet_k), plan.guarantee);
+      scene.list.automatic ? std::string("auto") : fmt::format("{}", scene.list.verlet_k), plan.guarantee);
   put("  instruction set       {} ({})\n", plan.isa, plan.isa_why);
   put("  threads, chunks       {} threads, {} chunks of {} particles\n", plan.threads, plan.chunks, plan.chunk);
   print_nodes(plan);

@@ -39,7 +39,8 @@ struct Stored {
   Scene scene;
   CheckpointReader checkpoint;
 };
-/// `path`: a checkpoint inside a run folder, or a run folder (its newest checkpoint, which must be whole). Error{io}, Error{usage}.
+/// `path`: a checkpoint inside a run folder, or a run folder (its newest checkpoint, which must be whole). Error{io},
+/// Error{usage}.
 Stored open_stored(const std::string& path);
 /// The scene in a run folder, with the replacements of its command line. Error{scene}, Error{io}.
 Scene stored_scene(const RunFolder& folder);

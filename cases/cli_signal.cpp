@@ -7,7 +7,7 @@
 
 namespace talus::cli {
 namespace {
-volatile std::sig_atomic_t g_signal = 0, g_asked = 0;
+volatile std::sig_atomic_t g_signal = 0, g_asked = 0, g_early = 0;
 // SIGPIPE and SIGXFSZ come from the run's own writes, again with every further one.
 constexpr std::array k_signals{SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ};
 std::array<struct sigaction, k_signals.size()> g_former;
@@ -22,10 +22,21 @@ void remember(int number) {
   }
   g_asked = 1;
 }
+
+void remember_early(int number) {
+  if (g_early == 0) g_early = number;
+}
 }  // namespace
 
+void outlive_failed_writes() noexcept {
+  struct sigaction action = {};
+  action.sa_handler = remember_early;
+  action.sa_flags = SA_RESTART;
+  for (const int number : {SIGPIPE, SIGXFSZ}) sigaction(number, &action, nullptr);
+}
+
 SignalGuard::SignalGuard() {
-  g_signal = 0;
+  g_signal = g_early;
   g_asked = 0;
   struct sigaction action = {};
   action.sa_handler = remember;

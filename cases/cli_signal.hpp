@@ -4,6 +4,10 @@
 
 namespace talus::cli {
 
+/// SIGPIPE and SIGXFSZ do not end the process from now on: the write that fails says so. They are not ignored, since
+/// ignoring would forget one that is pending; the next SignalGuard reports it.
+void outlive_failed_writes() noexcept;
+
 /// Catches SIGINT, SIGTERM, SIGHUP (unless ignored, as by nohup), SIGPIPE and SIGXFSZ for its lifetime and restores the
 /// former handlers afterwards. One object at a time.
 class SignalGuard {

@@ -10,6 +10,7 @@
 
 #include "cases/cli.hpp"
 #include "cases/cli_console.hpp"
+#include "cases/cli_signal.hpp"
 #include "core/text.hpp"
 
 namespace {
@@ -116,6 +117,7 @@ int finished(int code) {
 
 int main(int argc, char** argv) {
   cli::secure_descriptors();
+  cli::outlive_failed_writes();
   Options o;
   if (argc > 0) o.program = argv[0];
   CLI::App app{"Talus: discrete element method with a local Verlet buffer; the trajectory depends on the scene alone."};

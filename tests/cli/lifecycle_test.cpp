@@ -431,7 +431,7 @@ TEST_P(OddSignals, BeforeTheFirstStepLeaveACheckpointToContinueFrom) {
   EXPECT_EQ(read("out/series.csv"), read("whole/series.csv"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Lifecycle, OddSignals, ::testing::Values(SIGTERM, SIGHUP));
+INSTANTIATE_TEST_SUITE_P(Lifecycle, OddSignals, ::testing::Values(SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ));
 
 TEST_F(Lifecycle, ABrokenPipeOfTheProgressEndsTheRunWithACheckpoint) {
   write("scene.toml", small_scene(50));
