@@ -123,6 +123,7 @@ Start find_start(const Options& options) {
     RunFolder::check(start.folder, options.overwrite);
   if (options.resume.empty()) return start;
   start.checkpoint = fs::is_directory(options.resume) ? newest(origin) : CheckpointReader(options.resume);
+  Simulation::check_continuable(*start.checkpoint);
   const SceneBefore before = scene_before(*start.checkpoint, origin);
   if (!before.record && !before.folder) {
     tell("talus: warning: {} does not tell its scene; whether this one fits cannot be checked\n",

@@ -251,6 +251,16 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options) : impl_(st
   make_chunks(w);
 }
 
+void Simulation::check_continuable(const CheckpointReader& in) {
+  if (in.has("failed"))
+    throw Error(ErrorCode::io,
+                "is the state of a failed step, to be looked at: its contacts have moved on, its particles have not",
+                in.path(), "resume from a checkpoint before it, or start again with the cure that the failure named");
+  if (in.has("flux"))
+    throw Error(ErrorCode::io, "was written by an older version, which counted planes at output times only", in.path(),
+                "start the run again");
+}
+
 std::int64_t Simulation::step_of(const CheckpointReader& checkpoint) {
   return checkpoint.read_value<Meta>("meta").step;
 }
@@ -262,6 +272,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   w.insertion = std::make_unique<Insertion>(scene);
   w.r_min = w.insertion->smallest_radius();
   w.r_max = w.insertion->largest_radius();
+  w.failed = in.has("failed") || in.has("flux");  // may be looked at, but does not go on
   const auto m = in.read_value<Meta>("meta");
   configure(w, scene, options, in.has("fixed"));
   judge_time_step(w);
@@ -433,6 +444,7 @@ void Simulation::save(CheckpointWriter& out) const {
   m.start_known = w.start_energy_known ? 1 : 0;
   m.dt = w.scene.dt;
   out.add_value("meta", m);
+  if (w.failed.load()) out.add_value("failed", m.step);
   const auto n = static_cast<std::size_t>(w.n);
   out.add_view("position", w.p.data(), 4 * n);
   out.add_view("velocity", w.v.data(), static_cast<std::size_t>(w.stride) * n);

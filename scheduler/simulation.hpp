@@ -115,6 +115,9 @@ class Simulation {
   /// core/io/scene_changes allows it. `walls`: as wall_numbers() there; empty: the same walls.
   Simulation(const Scene& scene, const RunOptions& options, const CheckpointReader& checkpoint,
              const std::vector<int>& walls = {});
+  /// Error{io}: a state that would go on wrongly without a word (of a failed step, or of an older version). A
+  /// Simulation of it can be looked at, but run() refuses.
+  static void check_continuable(const CheckpointReader& checkpoint);
   /// Step of a checkpoint. Error{io}.
   static std::int64_t step_of(const CheckpointReader& checkpoint);
   ~Simulation();

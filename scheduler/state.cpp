@@ -169,14 +169,16 @@ void remove_row(World& w, Row i) {
 
 std::vector<ContactEntry> contacts_of(const World& w, const Chunk& c) {
   std::vector<ContactEntry> out;
-  std::int64_t n = 0;
+  std::size_t n = 0;
+  // a step that failed half way may have new masks and old columns
+  const auto known = [&](int k) { return !w.failed.load(std::memory_order_relaxed) || n < c.h[k].size(); };
   for (std::int64_t s = 0; s < c.end[2]; ++s) {
     if (((c.mask[static_cast<std::size_t>(s >> 3)] >> (s & 7)) & 1U) == 0) continue;
     if (c.pi[static_cast<std::size_t>(s)] < c.pj[static_cast<std::size_t>(s)]) {
       ContactEntry e;
       e.a = c.pi[static_cast<std::size_t>(s)];
       e.b = c.pj[static_cast<std::size_t>(s)];
-      for (int k = 0; k < w.has.history_columns; ++k) e.h[k] = c.h[k][static_cast<std::size_t>(n)];
+      for (int k = 0; k < w.has.history_columns; ++k) e.h[k] = known(k) ? c.h[k][n] : 0;
       out.push_back(e);
     }
     ++n;

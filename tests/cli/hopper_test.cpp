@@ -118,6 +118,11 @@ assert exact['in_range'] and 0 < exact['half_width'] < 0.01, exact
 other = beverloo.evaluate('circle', rates(2.5, 2.4))
 assert abs(other['k_free'] - 2.4) < 1e-2 and other['slope'] > 2.65 and not other['in_range'], other
 assert not beverloo.evaluate('circle', rates(2.0, 1.4))['in_range']
+law = lambda n: (1 - 0.5 * 2.718281828459045 ** (-0.051 * (n - 1))) * (n - 1) ** 2.5
+met = [dict(family='wide' if n > 15 else 'circle', notch=n, rate=0.0055 * law(n)) for n in (8, 11, 15, 20)]
+assert abs(beverloo.mankoc(met)['c'] - 0.0055) < 1e-6 and beverloo.mankoc(met)['in_range']
+met[3]['rate'] *= 1.06
+assert not beverloo.mankoc(met)['in_range'], beverloo.mankoc(met)
 print('fits')
 )");
   std::string command = "python3 '";
