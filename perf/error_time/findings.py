@@ -68,9 +68,21 @@ def advice(rows):
     return out
 
 
+def summary(rows):
+    """[(tolerance, {code: cheapest row or None})] of the codes that were run; an error counts with its half width."""
+    codes = [c for c in ("talus", "lammps", "liggghts") if any(r["code"] == c for r in rows)]
+    out = []
+    for tolerance in TOLERANCES:
+        good = [r for r in rows if r["error"] is not None and r["family"] != LISTS and r["error"] + r["error_half_width"] <= tolerance]
+        out.append((tolerance, {c: cheapest([r for r in good if r["code"] == c]) for c in codes}))
+    return out
+
+
 def cheapest(rows):
     """The fastest row; but the default setting where the clock does not tell it from that one (ranges overlap)."""
     best = min(rows, key=lambda r: r["wall_s"], default=None)
+    if best is None:
+        return None
     alike = [r for r in rows if r["family"] == DEFAULT and r["wall_low_s"] <= best["wall_high_s"]]
     return min(alike, key=lambda r: r["wall_s"], default=best)
 

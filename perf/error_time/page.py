@@ -33,7 +33,7 @@ def write(path, results, facts):
              "<h1>Error against run time</h1>", introduction(facts)]
     wrong = [s for r in results for s in r["wrong"]]
     parts += [f'<p class=bad>Does not hold: {html.escape(s)}</p>' for s in wrong]
-    parts += [section(r) for r in results] + [closing(results)]
+    parts += [summary(results)] + [section(r) for r in results]
     with open(path + ".part", "w", encoding="utf-8") as f:
         f.write("\n".join(parts))
     os.replace(path + ".part", path)
@@ -182,17 +182,31 @@ def advice_list(r):
             (f"<p>{html.escape(told)}</p>" if told else ""))
 
 
-def closing(results):
+def summary(results):
+    """One row per scene: the cheapest setting of every code for each tolerance."""
     head = "<tr><th>scene" + "".join(f"<th>{100 * t:g} %" for t in findings.TOLERANCES)
     body = []
     for r in results:
         body.append(f"<tr><td><a href='#{r['name']}'>{html.escape(r['title'])}</a>" + "".join(
-            "<td style='text-align:left'>" + html.escape(findings.describe(best)) + (
-                "<br><span class=small>Talus: " + html.escape(findings.describe(ours)) + "</span>" if best is not ours else "")
-            for _, best, ours in findings.advice(r["rows"])))
+            f"<td style='text-align:left'>{beside(best)}" for _, best in findings.summary(r["rows"])))
         told = findings.statistics(r["rows"], r["seeds"]) if r["kind"] == "bulk" else None
         if told:
             body.append(f"<tr><td><td colspan={len(findings.TOLERANCES)} class=small style='text-align:left'>{html.escape(told)}")
-    return ("<h2>Advice</h2><p>The cheapest measured setting whose error, with its interval, is below the tolerance; q in <i>dt q</i> is "
-            "the number of steps per contact. Where the clock does not tell it from the fastest, the default is named. <i>None</i> means that no point gets there, or that the seeds are too few to say so.</p>"
-            f"<div class=wide><table>{head}{''.join(body)}</table></div>")
+    return ("<h2>Summary</h2><p>The cheapest measured setting whose error, with its interval, is below the tolerance; q in <i>dt q</i> is "
+            "the number of steps per contact. Where the clock does not tell it from the fastest, the default is named. <i>None</i> means "
+            "that no point gets there, or that the seeds are too few to say so. Other codes: their cheapest setting, and its run time "
+            f"over that of Talus.</p><div class=wide><table>{head}{''.join(body)}</table></div>")
+
+
+def beside(best):
+    ours, lines = best.get("talus"), []
+    for code, row in best.items():
+        name = {"talus": "Talus", "lammps": "LAMMPS", "liggghts": "LIGGGHTS"}[code]
+        if row is None:
+            lines.append(f"{name}: none")
+        elif row is ours:
+            lines.append(f"{name}: {html.escape(row['label'])}, {row['wall_s']:.3g} s")
+        else:
+            ratio = f", {row['wall_s'] / ours['wall_s']:.2g} x" if ours else ""
+            lines.append(f"<span class=small>{name}: dt {row['steps_per_contact']:g}, {row['wall_s']:.3g} s{ratio}</span>")
+    return "<br>".join(lines)

@@ -16,7 +16,7 @@ boundary {boundary}
 newton off
 comm_modify vel yes
 read_data grains.data
-pair_style gran/hooke/history {kn} {kt} {gn} 0 {mu} 0
+pair_style gran/hooke/history {kn} {kt} {gn} {gt} {mu} {damped}
 pair_coeff * *
 """
 
@@ -30,9 +30,9 @@ read_data grains.data
 fix p1 all property/global kn peratomtypepair 3 {kn9}
 fix p2 all property/global kt peratomtypepair 3 {kt9}
 fix p3 all property/global gamman peratomtypepair 3 {gn9}
-fix p4 all property/global gammat peratomtypepair 3 {zero9}
+fix p4 all property/global gammat peratomtypepair 3 {gt9}
 fix p5 all property/global coefficientFriction peratomtypepair 3 {mu9}
-pair_style gran model hooke/stiffness tangential history tangential_damping off
+pair_style gran model hooke/stiffness tangential history tangential_damping {switch}
 pair_coeff * *
 """
 
@@ -54,9 +54,10 @@ def deck(code, p, observed, skin, every=None):
     """Deck text. every: None = rebuild when needed; n = at fixed intervals without any check."""
     if p.law.hertz:
         raise ValueError("the peers damp Hertz contacts in another way: only the linear law is the same in all codes")
-    numbers = {"kn": p.law.kn, "kt": p.law.kt, "gn": p.law.gn, "mu": p.law.mu, "zero": 0.0}
+    numbers = {"kn": p.law.kn, "kt": p.law.kt, "gn": p.law.gn, "gt": p.law.gt, "mu": p.law.mu}
     values = {k: "%.17g" % v for k, v in numbers.items()}
     values.update({k + "9": " ".join([values[k]] * 9) for k in numbers})
+    values["damped"], values["switch"] = ("1", "on") if p.law.gt > 0 else ("0", "off")
     values["boundary"] = " ".join("p" if a in p.periodic else "f" for a in "xyz")
     text = (LAMMPS_HEAD if code == "lammps" else LIGGGHTS_HEAD).format(**values)
     check = f"every {every} delay 0 check no" if every else "every 1 delay 0"
@@ -75,11 +76,11 @@ def deck(code, p, observed, skin, every=None):
     for i, (z, side) in enumerate(p.planes):
         ends = f"{z:.17g} NULL" if side > 0 else f"NULL {z:.17g}"
         if code == "lammps":
-            law = " ".join(values[k] for k in ("kn", "kt", "gn", "zero", "mu"))
-            text += f"fix plane{i} all wall/gran hooke/history {law} 0 zplane {ends}\n"
+            law = " ".join(values[k] for k in ("kn", "kt", "gn", "gt", "mu"))
+            text += f"fix plane{i} all wall/gran hooke/history {law} {values['damped']} zplane {ends}\n"
         else:
             text += (f"fix plane{i} all wall/gran model hooke/stiffness tangential history primitive type 1 "
-                     f"zplane {z:.17g} tangential_damping off\n")
+                     f"zplane {z:.17g} tangential_damping {values['switch']}\n")
     lost = "warn" if code == "lammps" else "ignore"
     text += f"thermo_style custom step atoms ke\nthermo_modify norm no lost {lost}\nthermo 100000000\n"
     if observed:

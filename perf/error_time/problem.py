@@ -1,7 +1,7 @@
 """A scene as data: grains, box, law, fixed and driven grains, planes; written as a Talus scene here, as decks in peers.py.
 
 Who calls it: the scene modules build a Problem per setting, engine.py writes and runs it. Invariants: every code reads the
-same numbers (17 digits); the physics of the linear law is F_n = k_n delta - g_n m_eff v_n, F_t = -k_t xi, |F_t| <= mu F_n.
+same numbers (17 digits); the physics of the linear law is F_n = k_n delta - g_n m_eff v_n, F_t = -k_t xi - g_t m_eff v_t, |F_t| <= mu F_n.
 Units are reduced: d = m = 1 for the grains, and g = 1 or the contact time of the hard law = 1.
 """
 import dataclasses
@@ -28,6 +28,7 @@ class Law:
     kn: float = 0.0
     gn: float = 0.0
     kt: float = 0.0
+    gt: float = 0.0
     mu: float = 0.0
     young: float = 0.0
     poisson: float = 0.25
@@ -40,6 +41,7 @@ class Law:
     def softened(self, factor):
         """Stiffness / factor at the same restitution: rates fall with the root, and the step may follow."""
         return dataclasses.replace(self, kn=self.kn / factor, kt=self.kt / factor, gn=self.gn / math.sqrt(factor),
+                                   gt=self.gt / math.sqrt(factor),
                                    young=self.young / factor)
 
 
@@ -104,7 +106,7 @@ def talus_scene(p, observed):
     else:
         lines += ['model = "linear"', f"normal_stiffness = {p.law.kn:.17g}", f"normal_damping = {p.law.gn:.17g}"]
         if p.law.mu > 0:
-            lines += [f"tangential_stiffness = {p.law.kt:.17g}"]
+            lines += [f"tangential_stiffness = {p.law.kt:.17g}", f"tangential_damping = {p.law.gt:.17g}"]
     lines += section(knobs, "contact")
     lines += ["[list]"] + section(knobs, "list")
     lines += ["[checks]", f"allow_initial_overlap = {toml(p.overlapping)}"] + section(knobs, "checks")
