@@ -6,7 +6,8 @@
 
 Every round runs one thread alone, two threads alone, and two threads beside a busy loop that is bound to the second core
 (the worst case: the kernel cannot move it away) and beside one that is free. Mark: beside either loop two threads reach
-0.9 of what one thread reaches alone. Exit 1 below it. Start-up and 100 steps are left out, rebuilds are included.
+0.9 of what one thread reaches alone. Exit 1 below it. One thread that is bound to the first core, beside the loop on the
+second one, shows what the machine itself takes (cores that are two threads of one, a lower clock). Start-up and 100 steps are left out, rebuilds are included.
 """
 import argparse
 import json
@@ -35,9 +36,9 @@ size = { kind = "uniform", min = 0.004, max = 0.006 }
 """
 
 
-def rate(args, talus, scene, threads, steps, extra):
+def rate(args, talus, scene, threads, steps, extra, cores="0,1"):
     """particle-steps/s of one run."""
-    command = ["taskset", "-c", "0,1", talus, "run", scene, "--threads", str(threads), "--warm", "100", "--steps", str(100 + steps),
+    command = ["taskset", "-c", cores, talus, "run", scene, "--threads", str(threads), "--warm", "100", "--steps", str(100 + steps),
                "--quiet", "--json", "--overwrite", "--out", os.path.join(args.out, "run"), *extra]
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
@@ -74,18 +75,19 @@ def main():
     if load > 0.5:
         print(f"warning: load average {load:.1f}: these rates are not to be quoted", file=sys.stderr)
     failed = False
-    print(f"{'':<12} {'1 thread':>9} {'2 threads':>9} {'bound loop':>10} {'free loop':>9}   M particle-steps/s, medians of {args.rounds} rounds")
+    print(f"{'':<12} {'1 thread':>9} {'2 threads':>9} {'bound loop':>10} {'free loop':>9} {'1 beside':>9}   M particle-steps/s, medians of {args.rounds} rounds")
     for name, case in cases.items():
         rows = []
         for _ in range(args.rounds):
             row = [rate(args, args.talus, case[0], t, *case[1:]) for t in (1, 2)]
             row += [beside(c, lambda: rate(args, args.talus, case[0], 2, *case[1:])) for c in ("1", "0,1")]
+            row.append(beside("1", lambda: rate(args, args.talus, case[0], 1, *case[1:], cores="0")))
             if args.former:
                 row.append(rate(args, args.former, case[0], 2, *case[1:]))
             rows.append(row)
         r = np.array(rows)
         m = np.median(r, axis=0) / 1e6
-        print(f"{name:<12} {m[0]:>9.2f} {m[1]:>9.2f} {m[2]:>10.2f} {m[3]:>9.2f}")
+        print(f"{name:<12} {m[0]:>9.2f} {m[1]:>9.2f} {m[2]:>10.2f} {m[3]:>9.2f} {m[4]:>9.2f}")
         for k, what in ((2, "bound"), (3, "free")):
             q = r[:, k] / r[:, 0]
             holds = np.median(q) >= 0.9
@@ -93,7 +95,7 @@ def main():
             print(f"    2 threads beside the {what} loop / 1 thread alone = {np.median(q):.3f} ({q.min():.3f} ... {q.max():.3f})  "
                   f"mark >= 0.9: {'holds' if holds else 'DOES NOT HOLD'}")
         if args.former:
-            q = r[:, 1] / r[:, 4]
+            q = r[:, 1] / r[:, 5]
             print(f"    2 threads, this binary / the other one = {np.median(q):.3f} ({q.min():.3f} ... {q.max():.3f})")
     return 1 if failed else 0
 

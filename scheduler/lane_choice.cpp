@@ -13,6 +13,8 @@ constexpr std::int64_t k_least_steps = 8;
 constexpr double k_stalled = 0.2;  // share of a window lost in stalls beyond which fewer threads are tried
 constexpr double k_gain = 0.95;    // fewer threads are kept where a step takes less than this of the time
 constexpr double k_first_hold = 0.25, k_longest_hold = 5;  // [s]
+constexpr double k_believed = 0.1;                         // of regular steps before a load is taken to be gone [s]
+constexpr int k_most_repeats = 2;                          // of a trial that stalls itself
 
 }  // namespace
 
@@ -42,14 +44,14 @@ double LaneChoice::Window::stalled_share() const {
 
 void LaneChoice::prepare(int threads) {
   *this = LaneChoice();
-  all_ = now_ = best_ = std::max(1, threads);
+  all_ = now_ = best_ = most_ = std::max(1, threads);
   hold_ = k_first_hold;
   for (const int c : {all_ - 1, all_ / 2, 1})
     if (c >= 1 && c < all_ && (candidates_.empty() || c < candidates_.back())) candidates_.push_back(c);
 }
 
 void LaneChoice::step_done(double now, bool regular) {
-  if (all_ == 1) return;
+  if (all_ == 1 || most_ == 1) return;
   const double before = last_;
   last_ = now;
   if (before < 0) return;  // the first step of a run, or with this number of threads
@@ -69,7 +71,10 @@ void LaneChoice::window_ends(double now) {
     case Phase::hold:
       if (now >= until_) {
         phase_ = Phase::watch;
-        returned_ = true;
+        returned_ = best_ < all_;
+        since_return_ = {};
+        if (returned_ && window_.stalled_share() < k_stalled)
+          best_mean_ = window_.mean();  // steps change as grains move
         work_with(all_);
       }
       break;
@@ -79,26 +84,32 @@ void LaneChoice::window_ends(double now) {
 }
 
 void LaneChoice::watch_ends(double now) {
-  const bool stalls = window_.stalled_share() > k_stalled;
-  if (!stalls) {
-    hold_ = k_first_hold;
-    returned_ = false;
+  if (returned_) {
+    // Beside a load some windows happen to be free of it: all of them together are held against the number kept.
+    since_return_.steps += window_.steps;
+    since_return_.total += window_.total;
+    if (best_mean_ < k_gain * since_return_.mean()) {
+      hold_ = std::min(2 * hold_, k_longest_hold);
+      keep(best_, best_mean_, now);
+    } else if (since_return_.total >= k_believed) {
+      hold_ = k_first_hold;
+      returned_ = false;
+    }
     return;
   }
-  if (returned_ && best_ < all_ && best_mean_ < k_gain * window_.mean()) {
-    // the load is still there: no new trial, and a longer hold
-    hold_ = std::min(2 * hold_, k_longest_hold);
-    keep(best_, best_mean_, now);
-    return;
-  }
+  if (!(window_.stalled_share() > k_stalled)) return;
   best_ = all_;
   best_mean_ = k_gain * window_.mean();
   phase_ = Phase::trial;
   next_ = 0;
+  repeats_ = 0;
   work_with(candidates_[0]);
 }
 
 void LaneChoice::trial_ends(double now) {
+  // the kernel takes some time to move the threads that are left to the free cores
+  if (window_.stalled_share() > k_stalled && ++repeats_ <= k_most_repeats) return;
+  repeats_ = 0;
   if (window_.mean() < best_mean_) {
     best_ = now_;
     best_mean_ = window_.mean();
@@ -113,7 +124,8 @@ void LaneChoice::keep(int threads, double mean, double now) {
   best_ = threads;
   best_mean_ = mean;
   phase_ = Phase::hold;
-  until_ = now + hold_;
+  // where all threads are the best for now, a change is looked for soon
+  until_ = now + (threads < all_ ? hold_ : k_window);
   work_with(threads);
 }
 

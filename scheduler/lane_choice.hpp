@@ -15,7 +15,9 @@ class LaneChoice {
  public:
   /// All `threads` work from now on; with one there is nothing to choose.
   void prepare(int threads);
-  int threads() const noexcept { return now_; }
+  int threads() const noexcept { return now_ < most_ ? now_ : most_; }
+  /// No more threads than this from now on: a scene of few grains has no work for others.
+  void limit(int most) noexcept { most_ = most < 1 ? 1 : most; }
   /// A step has ended at `now` [s of any steady clock]. `regular`: it had no rebuild, whose time says nothing here.
   void step_done(double now, bool regular);
   std::int64_t changes() const noexcept { return changes_; }  ///< of the number of threads
@@ -39,14 +41,16 @@ class LaneChoice {
   void work_with(int threads);
   void keep(int threads, double mean, double now);
 
-  int all_ = 1, now_ = 1;
+  int all_ = 1, now_ = 1, most_ = 1;
   Phase phase_ = Phase::watch;
   Window window_;
   double last_ = -1;       ///< end of the step before [s]; negative: unknown
   double begin_ = -1;      ///< of the window [s]
   double until_ = 0;       ///< end of Phase::hold [s]
   double hold_ = 0;        ///< length of the next hold [s]
-  bool returned_ = false;  ///< the present watch follows a hold
+  bool returned_ = false;  ///< the present watch follows a hold with fewer threads
+  Window since_return_;    ///< steps and total only
+  int repeats_ = 0;        ///< of the present trial
   std::vector<int> candidates_;
   std::size_t next_ = 0;
   int best_ = 1;

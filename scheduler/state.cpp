@@ -145,6 +145,8 @@ void make_chunks(World& w) {
   const int count = w.chunk_of.count(w.n);
   need_chunks(w, count);
   w.chunks.resize(static_cast<std::size_t>(count));
+  // chunks of a chosen size are not smaller than what pays a thread; who asks for a size asks for the threads, too
+  if (w.options.chunk == 0) w.lane_choice.limit(count);
   for (int k = 0; k < count; ++k) {
     Chunk& c = *w.chunks[static_cast<std::size_t>(k)];
     c.lo = w.chunk_of.lo(k);
