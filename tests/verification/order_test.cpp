@@ -128,7 +128,7 @@ TEST(Order, LinearDampedWithoutGravity) {
 }
 TEST(Order, LinearDamped) { check("linear, e 0.6, no friction", {false, 0.6, none}, 1.8, 1.5e-4); }
 TEST(Order, LinearElasticSticking) { check("linear, e 1, sticking", {false, 1, sticks}, 1.1, 2.5e-3, k_release); }
-TEST(Order, LinearDampedSticking) { check("linear, e 0.6, sticking", {false, 0.6, sticks}, 1.3, 4e-3, k_release); }
+TEST(Order, LinearDampedSticking) { check("linear, e 0.6, sticking", {false, 0.6, sticks}, 1.2, 2e-3, k_release); }
 TEST(Order, LinearElasticSliding) { check("linear, e 1, sliding", {false, 1, slides}, 1.85, 6e-5); }
 TEST(Order, LinearDampedSliding) { check("linear, e 0.6, sliding", {false, 0.6, slides}, 1.8, 1.5e-4); }
 TEST(Order, LinearElasticSlidingThenSticking) {
