@@ -105,15 +105,24 @@ Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, b
   const Kinematics k = kinematics(p, a);
   const double reff = p.rj > 0 ? p.ri * p.rj / (p.ri + p.rj) : p.ri;
   const double contact = std::sqrt(reff * k.delta), sn = c.kn * contact, st = c.kt * contact, elastic = sn * k.delta;
-  const double cn = c.gn * std::sqrt(k.meff * sn), ct = c.gt * std::sqrt(k.meff * st);
+  double cn = c.gn * std::sqrt(k.meff * sn);
+  const double ct = c.gt * std::sqrt(k.meff * st);
+  const double u = k.delta / (std::abs(k.vn) * a.dt);
+  const bool brief = a.centred != 0 && a.onset != 0 && u < 1, touched = brief && k.vn < 0;
+  if (brief) {
+    const bool counted = a.recall != 0 && predicted == 0 && k.vn > 0;  // as in the linear law
+    const double q = 0.5 + u;
+    cn *= counted ? 0 : 0.8 * q * std::sqrt(std::sqrt(q / u));  // q^(5/4) / (5/4 u^(1/4))
+  }
   double fn = elastic - cn * dashpot_velocity(p, k, a, elastic, predicted);
   if (a.centred != 0) fn /= 1 + 0.5 * a.dt * cn / k.meff;
   if (a.clip != 0) fn = std::max(fn, 0.0);
-  predicted = k.vn + a.dt * fn / k.meff;
+  predicted = brief && k.vn > 0 ? 0 : k.vn + a.dt * fn / k.meff;
   if (!friction) return assemble(p, k, fn, {});
   Vec3 before = ft - dot(ft, k.n) * k.n;
   if (contact < radius) before = (contact / radius) * before;
-  const double travel = a.start != 0 ? 0 : c.kt * std::min(contact, 0.5 * (contact + radius)) * a.dt;
+  double travel = a.start != 0 ? 0 : c.kt * std::min(contact, 0.5 * (contact + radius)) * a.dt;
+  if (touched) travel = c.kt * (2.0 / 3.0 * contact) * (u * a.dt);
   ft = before - travel * k.vt;
   radius = contact;
   const double shrink = a.centred != 0 ? 1 / (1 + 0.5 * 3.5 * a.dt * ct / k.meff) : 1;
@@ -122,7 +131,8 @@ Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, b
   if (size > limit) {
     const Vec3 along = (1 / size) * total;
     total = limit * along;
-    const double middle = a.total != 0 ? limit : limit + 0.75 * c.mu * sn * k.vn * a.dt;
+    double middle = a.total != 0 ? limit : limit + 0.75 * c.mu * sn * k.vn * a.dt;
+    if (touched && a.total == 0) middle = 0.4 * limit;
     ft = creep(before, along, ct, travel, limit, middle);
   }
   return assemble(p, k, fn, total);

@@ -7,10 +7,12 @@
 //   sqrt(2/3) alpha sqrt(m_eff S_t); |F_t| <= mu S_n delta (JKR: F + 3 pi w R* in place of S_n delta). Coulomb's limit
 //   and sliding ("series") as in the linear law (linear.hpp), with gamma_t m_eff -> gamma_t and k_t -> S_t; the dashpot
 //   of this law is a total derivative of the overlap, too.
-// hertz_tsuji differs only in alpha (the polynomial of Tsuji et al.), chosen at set-up.
-// History: with friction 4 columns, the elastic tangential force on i [N] and the last contact radius [m]; centred and
-// damped: one more, see dashpot_velocity() of the linear law.
-// Reads kn = 4/3 E* [Pa], kt = 8 G* [Pa], gn = alpha [-], gt = sqrt(2/3) alpha [-], mu; wants R*.
+// Onset correction: with delta = u |v_n| dt in the first step and in the last, the dashpot, which starts as
+// delta^(1/4), has the weight (1/2 + u)^(5/4)/(5/4 u^(1/4)): its impulse between the touch and n+1/2. hertz_tsuji
+// differs only in alpha (the polynomial of Tsuji et al.), chosen at set-up. History: with friction 4 columns, the
+// elastic tangential force on i [N] and the last contact radius [m]; centred and damped: one more, see
+// dashpot_velocity() of the linear law. Reads kn = 4/3 E* [Pa], kt = 8 G* [Pa], gn = alpha [-], gt = sqrt(2/3) alpha
+// [-], mu; wants R*.
 #pragma once
 
 #include "kernels/models/jkr.hpp"
@@ -44,7 +46,7 @@ void hertz_force(Block& block, const LawArgs& args) {
   const Block b = block;
   const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt), hdt = S::set(0.5 * a.dt);
   const B hdt_t = S::set(0.5 * 3.5 * a.dt), two_fifths = S::set(0.4);
-  const B slid = a.start != 0 ? zero : dt;  // how long the tangential spring has moved with the spheres
+  const B travel = a.start != 0 ? zero : dt;  // how long the tangential springs have moved with the spheres
   Coefficients<S, Multi> c;
   if constexpr (!Multi) c.load(b, a, 0);
   for (int k = 0; k < b.n; k += S::W) {
@@ -74,11 +76,27 @@ void hertz_force(Block& block, const LawArgs& args) {
     if (Friction || a.recall != 0) mid_normal.set(v, n, vn, inv, a.dt, a.synchronised);
     B vd = vn;
     if (a.recall != 0) vd = dashpot_velocity<S>(vn, mid_normal, S::load(b.h_in[k_recall] + k), fn, ms, delta, a.dt);
-    const B elastic = fn;
-    fn = fn - cn * vd;
-    if (a.centred != 0) fn = fn / (one + hdt * (cn * ms));
+    const B elastic = fn, step = S::abs(vn) * dt;
+    const auto approaches = S::lt(vn, zero), brief = S::lt(delta, step);
+    const bool edges = !Adhesive && a.centred != 0 && a.onset != 0 && S::any(brief);
+    B weight = one, counted = one, slid = travel;  // as in the linear law
+    if (edges) {
+      const B u = delta / step, q = half + u;
+      if (a.recall != 0) {
+        const auto fresh = lacks_prediction<S>(S::load(b.h_in[k_recall] + k));
+        counted = S::select(brief, S::select(fresh, S::select(S::gt(vn, zero), zero, one), one), one);
+      }
+      weight = S::select(brief, (S::set(0.8) * (q * S::sqrt(S::sqrt(q / u)))) * counted, one);
+      slid = S::select(brief, S::select(approaches, dt * u, slid), slid);
+    }
+    const B cw = cn * weight;
+    fn = fn - cw * vd;
+    if (a.centred != 0) fn = fn / (one + hdt * (cw * ms));
     if (!Adhesive && a.clip != 0) fn = S::select(S::gt(fn, zero), fn, zero);  // as in the linear law
-    if (a.recall != 0) S::store(b.h[k_recall] + k, vn + dt * (fn * ms));
+    if (a.recall != 0) {
+      const B next = vn + dt * (fn * ms);
+      S::store(b.h[k_recall] + k, edges ? S::select(brief, S::select(S::gt(vn, zero), zero, next), next) : next);
+    }
     B f[3] = {fn * n[0], fn * n[1], fn * n[2]};
     B mid = one;  // dashpot at n-1/2 over that at n
     if constexpr (Energy) {
@@ -98,6 +116,11 @@ void hertz_force(Block& block, const LawArgs& args) {
         mid = S::sqrt(S::sqrt(S::select(S::gt(middle, zero), middle, zero) / delta));
         S::store(b.e[0] + k, two_fifths * (sn * (delta * delta)));
         B loss = dt * ((cn * mid) * (vn * vn));
+        if (edges) {  // from the instant of touch, and to that of parting
+          const B edge = (S::set(0.8) * (delta / S::abs(vn))) * (cn * (vn * vn));
+          loss = S::select(brief, (S::select(approaches, zero, loss) + edge) * counted, loss);
+          mid = S::select(brief, S::select(approaches, S::set(0.8), mid), mid);
+        }
         if (a.clip != 0) {
           const B last = delta + dt * vn, before = c.kn * (S::sqrt(reff * S::select(S::gt(last, zero), last, zero)));
           loss = S::select(S::gt(fn, zero), loss, two_fifths * (before * (last * last) - sn * (delta * delta)));
@@ -117,7 +140,10 @@ void hertz_force(Block& block, const LawArgs& args) {
       const B before = S::select(S::gt(last, zero), ((h[0] * h[0] + h[1] * h[1]) + h[2] * h[2]) / last, zero);
       const B rescale = S::select(S::lt(radius, last), radius / last, one);
       const B grow = a.centred != 0 ? one + hdt_t * (ct * ms) : one, shrink = one / grow;
-      const B mean = half * (radius + last), moved = S::select(S::lt(mean, radius), mean, radius);
+      const B mean = half * (radius + last);
+      B moved = S::select(S::lt(mean, radius), mean, radius);
+      if (edges)  // the radius has grown as the root of the time since touch
+        moved = S::select(brief, S::select(approaches, S::set(2.0 / 3.0) * radius, moved), moved);
       const B travelled = slid * (c.kt * moved);
       B g[3], trial[3];
       for (int q = 0; q < 3; ++q) {
@@ -128,6 +154,8 @@ void hertz_force(Block& block, const LawArgs& args) {
       B press = elastic;
       if constexpr (Adhesive) press = press + S::set(3.0) * jkr.pull;
       B middle = c.mu * (press + (S::set(1.5) * sn) * (hdt * vn));  // Coulomb's limit at n-1/2
+      if (edges)                                                    // as that time to the power of 3/2
+        middle = S::select(brief, S::select(approaches, two_fifths * (c.mu * press), middle), middle);
       if (a.total != 0) {
         press = fn;
         if constexpr (Adhesive) press = fn + S::set(3.0) * jkr.pull;
@@ -164,9 +192,9 @@ void hertz_force(Block& block, const LawArgs& args) {
           way[q] = soft * h[q];
           most[q] = soft * trial[q];
         }
-        const auto parts = S::lt(delta, S::select(S::gt(vn, zero), vn * dt, zero));
-        tangential_ledger<S>(b, k, {stiffness, stiffness * (moved / radius), mid * ct, slid, parts, one}, false, way,
-                             most, t);
+        const auto parts = S::lt(delta, S::select(S::gt(vn, zero), step, zero));
+        tangential_ledger<S>(b, k, {stiffness, stiffness * (moved / radius), mid * ct, slid, parts, counted}, false,
+                             way, most, t);
         const B kept = S::select(S::lt(radius, last), rescale, last / moved);
         const B released = half * (before * (one - kept) + h2 * (one / moved - one / radius)) / c.kt;
         S::store(b.e[2] + k, S::load(b.e[2] + k) + released);
