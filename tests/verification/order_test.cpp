@@ -116,8 +116,8 @@ void check(const std::string& name, Case c, double low, double error, const std:
 //   spring in a single step. Sliding before the end, as with any usual mu, does not show it.
 const char* const k_release = "the loaded spring's release within the last step";
 // - Hertz: the dashpot starts as depth^(1/4) and the tangential stiffness as depth^(1/2), neither differentiable at
-//   touch: orders 5/4 and 3/2 where nothing is done about it. The dashpot of the first and last step is weighed with its
-//   integral, which leaves a twentieth of the error, of first order, from the steps next to them.
+//   touch: orders 5/4 and 3/2 where nothing is done about it. The dashpot of the first and last step is weighed with
+//   its integral, which leaves a twentieth of the error, of first order, from the steps next to them.
 const char* const k_quarter = "the dashpot's start as depth^(1/4)";
 const char* const k_root = "the tangential stiffness's start as depth^(1/2)";
 
