@@ -25,7 +25,9 @@ enum class Cohesion : std::uint8_t { none, sjkr };
 /// at n-1/2 (kernels/models/linear.hpp).
 enum class Dashpot : std::uint8_t { centred, pairwise, lagged };
 enum class Lever : std::uint8_t { contact, radius };
-enum class Sliding : std::uint8_t { bounded, balanced };
+enum class Sliding : std::uint8_t { series, balanced };
+/// Normal force in Coulomb's limit: its elastic part, or all of it where it pushes.
+enum class FrictionLimit : std::uint8_t { elastic, total };
 enum class Integrator : std::uint8_t { velocity_verlet, leapfrog };
 /// exact: the same bits on every instruction set. fast: fused multiply-add and estimated reciprocals; the bits depend
 /// on the instruction set and on whether energies are summed (another kernel, fused otherwise), on nothing else.
@@ -89,10 +91,10 @@ struct ContactLaw {
   bool clip_tension = false;     ///< the normal force never pulls; restitution is that of clipped impacts
   bool synchronised = true;      ///< tangential history in the mid-step frame (VERIFICATION 3.8)
   Lever lever = Lever::contact;
-  Sliding sliding =
-      Sliding::bounded;             ///< linear: what the spring of a sliding contact keeps (kernels/models/linear.hpp)
-  Rolling rolling = Rolling::none;  ///< needs friction (grains must rotate)
-  bool twisting = false;            ///< some pair has twisting friction; needs friction
+  Sliding sliding = Sliding::series;  ///< what the spring of a sliding contact keeps (kernels/models/linear.hpp)
+  FrictionLimit friction_limit = FrictionLimit::elastic;
+  Rolling rolling = Rolling::none;     ///< needs friction (grains must rotate)
+  bool twisting = false;               ///< some pair has twisting friction; needs friction
   Cohesion cohesion = Cohesion::none;  ///< on top of linear or Hertz
 };
 
@@ -288,9 +290,9 @@ struct Scene {
   RelaxSettings relax;
 
   const PairCoefficients& pair(int a, int b) const { return pairs[a * materials.size() + b]; }
-  /// List policy for a scene that names none: velocity_profile where gravity has a component along a periodic axis, some
-  /// axis is open and there is no wall (a dense flow shares its mean velocity: 6 to 8 % of the run time), else local
-  /// (perf/policies.md).
+  /// List policy for a scene that names none: velocity_profile where gravity has a component along a periodic axis,
+  /// some axis is open and there is no wall (a dense flow shares its mean velocity: 6 to 8 % of the run time), else
+  /// local (perf/policies.md).
   ListPolicy fitting_policy() const noexcept;
 };
 

@@ -167,7 +167,6 @@ std::vector<AddOnParameters> add_on_parameters(const Scene& scene) {
     p.viscous = c.rolling_damping;
     p.twisting = c.twisting_friction;
     p.torsion = c.twisting_damping;
-    p.press = scene.contact.model == ContactModel::jkr ? 3 * det::k_pi * c.work_of_adhesion : 0;
     p.cohesion = c.cohesion_energy;
     out.push_back(p);
   }

@@ -47,6 +47,14 @@ double dashpot_velocity(const Pair& p, const Kinematics& k, const LawArgs& a, do
   return k.vn + 0.5 * (k.vn - predicted - turned);
 }
 
+/// Spring force [N] after a step of sliding at the limit, along the unit vector of the trial force:
+/// d(spring)/dt = k/c (limit along - spring), L-stable rule of second order. `travel` = k times the time slid;
+/// `before`: spring force of the last step; `middle`: the limit in the middle of that time.
+Vec3 creep(Vec3 before, Vec3 along, double c, double travel, double limit, double middle) {
+  const double whole = c * (c + travel) + 0.5 * travel * travel;
+  return (c * c / whole) * before + (travel * (c * middle + 0.5 * travel * limit) / whole) * along;
+}
+
 Result assemble(const Pair& p, const Kinematics& k, double fn, Vec3 ft) {
   Result r;
   r.force = fn * k.n + ft;
@@ -60,7 +68,6 @@ Result assemble(const Pair& p, const Kinematics& k, double fn, Vec3 ft) {
 Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& xi, double& predicted) {
   const Kinematics k = kinematics(p, a);
   const double scale = a.by_restitution != 0 ? std::sqrt(c.kn / k.meff) : 1;
-  const double gamma_t = c.gt;
   double gamma_n = c.gn * scale;
   const bool brief = a.centred != 0 && a.onset != 0 && k.delta < std::abs(k.vn) * a.dt;
   if (brief) {
@@ -74,18 +81,21 @@ Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool fri
   if (!friction) return assemble(p, k, fn, {});
   // in the step in which they touch, the spheres have slid past each other only since then
   const bool touched_now = a.centred != 0 && a.onset != 0 && k.vn < 0 && k.delta < -k.vn * a.dt;
-  xi = xi - dot(xi, k.n) * k.n + (touched_now ? k.delta / -k.vn : a.dt) * k.vt;
-  const double shrink = a.centred != 0 ? 1 / (1 + 0.5 * 3.5 * a.dt * gamma_t) : 1;
-  Vec3 ft = -shrink * (c.kt * xi + (gamma_t * k.meff) * k.vt);
-  const double limit = c.mu * std::max(fn, 0.0), size = norm(ft);
+  const double slid = a.start != 0 && !touched_now ? 0 : touched_now ? k.delta / -k.vn : a.dt, ct = c.gt * k.meff;
+  const Vec3 before = xi - dot(xi, k.n) * k.n;
+  xi = before + slid * k.vt;
+  const double grow = a.centred != 0 ? 1 + 0.5 * 3.5 * a.dt * c.gt : 1;
+  Vec3 ft = (-1 / grow) * (c.kt * xi + ct * k.vt);
+  const double limit = c.mu * (a.total != 0 ? std::max(fn, 0.0) : c.kn * k.delta), size = norm(ft);
   if (size > limit) {
     const Vec3 along = (1 / size) * ft;
-    const double spring = std::max(0.0, limit + (shrink * gamma_t * k.meff) * dot(k.vt, along));
     ft = limit * along;
-    if (a.balanced != 0)
-      xi = (-1 / (c.kt * shrink)) * (ft + (shrink * gamma_t * k.meff) * k.vt);
-    else
-      xi = (-spring / (c.kt * shrink)) * along;
+    double middle = a.total != 0 ? limit : limit + 0.5 * c.mu * c.kn * k.vn * a.dt;
+    if (touched_now && a.total == 0) middle = 0.5 * limit;
+    Vec3 spring;  // nothing to store where it has not moved
+    if (a.start == 0)
+      spring = a.balanced != 0 ? grow * ft + ct * k.vt : creep((-c.kt) * before, along, ct, c.kt * slid, limit, middle);
+    xi = (-1 / c.kt) * spring;
   }
   return assemble(p, k, fn, ft);
 }
@@ -94,34 +104,46 @@ Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, b
                      double& predicted) {
   const Kinematics k = kinematics(p, a);
   const double reff = p.rj > 0 ? p.ri * p.rj / (p.ri + p.rj) : p.ri;
-  const double contact = std::sqrt(reff * k.delta), sn = c.kn * contact, st = c.kt * contact;
-  const double cn = c.gn * std::sqrt(k.meff * sn), ct = c.gt * std::sqrt(k.meff * st);
-  double fn = sn * k.delta - cn * dashpot_velocity(p, k, a, sn * k.delta, predicted);
+  const double contact = std::sqrt(reff * k.delta), sn = c.kn * contact, st = c.kt * contact, elastic = sn * k.delta;
+  double cn = c.gn * std::sqrt(k.meff * sn);
+  const double ct = c.gt * std::sqrt(k.meff * st);
+  const double u = k.delta / (std::abs(k.vn) * a.dt);
+  const bool brief = a.centred != 0 && a.onset != 0 && u < 1, touched = brief && k.vn < 0;
+  if (brief) {
+    const bool counted = a.recall != 0 && predicted == 0 && k.vn > 0;  // as in the linear law
+    const double q = 0.5 + u;
+    cn *= counted ? 0 : 0.8 * q * std::sqrt(std::sqrt(q / u));  // q^(5/4) / (5/4 u^(1/4))
+  }
+  double fn = elastic - cn * dashpot_velocity(p, k, a, elastic, predicted);
   if (a.centred != 0) fn /= 1 + 0.5 * a.dt * cn / k.meff;
   if (a.clip != 0) fn = std::max(fn, 0.0);
-  predicted = k.vn + a.dt * fn / k.meff;
+  predicted = brief && k.vn > 0 ? 0 : k.vn + a.dt * fn / k.meff;
   if (!friction) return assemble(p, k, fn, {});
-  ft = ft - dot(ft, k.n) * k.n;
-  if (contact < radius) ft = (contact / radius) * ft;
-  ft = ft - (c.kt * std::min(contact, 0.5 * (contact + radius)) * a.dt) * k.vt;
+  Vec3 before = ft - dot(ft, k.n) * k.n;
+  if (contact < radius) before = (contact / radius) * before;
+  double travel = a.start != 0 ? 0 : c.kt * std::min(contact, 0.5 * (contact + radius)) * a.dt;
+  if (touched) travel = c.kt * (2.0 / 3.0 * contact) * (u * a.dt);
+  ft = before - travel * k.vt;
   radius = contact;
   const double shrink = a.centred != 0 ? 1 / (1 + 0.5 * 3.5 * a.dt * ct / k.meff) : 1;
   Vec3 total = shrink * (ft - ct * k.vt);
-  const double limit = c.mu * std::max(fn, 0.0), size = norm(total);
+  const double limit = c.mu * (a.total != 0 ? std::max(fn, 0.0) : elastic), size = norm(total);
   if (size > limit) {
     const Vec3 along = (1 / size) * total;
     total = limit * along;
-    ft = std::max(0.0, limit / shrink + ct * dot(k.vt, along)) * along;
+    double middle = a.total != 0 ? limit : limit + 0.75 * c.mu * sn * k.vn * a.dt;
+    if (touched && a.total == 0) middle = 0.4 * limit;
+    ft = creep(before, along, ct, travel, limit, middle);
   }
   return assemble(p, k, fn, total);
 }
 
-Vec3 moments(const Pair& p, Vec3 force, double stiffness, const AddOnParameters& c, const MomentArgs& a,
+Vec3 moments(const Pair& p, double press, double stiffness, const AddOnParameters& c, const MomentArgs& a,
              MomentHistory& h) {
   const Vec3 n = (1 / norm(p.xi - p.xj)) * (p.xi - p.xj), w = p.wi - p.wj;
   const double reff = p.ri * p.rj / (p.ri + p.rj), turn = dot(w, n);
   const Vec3 roll = w - turn * n;
-  const double press = std::max(dot(force, n) + c.press * reff, 0.0);
+  const double turned = a.start != 0 ? 0 : a.dt;
   double shrink = 1;
   if (a.rescale != 0) {
     if (stiffness < h.stiffness) shrink = stiffness / h.stiffness;
@@ -134,7 +156,7 @@ Vec3 moments(const Pair& p, Vec3 force, double stiffness, const AddOnParameters&
   }
   if (a.rolling == 2) {
     const double k = 2.25 * stiffness * (c.rolling * reff) * (c.rolling * reff), limit = c.rolling * reff * press;
-    h.rolling = shrink * (h.rolling - dot(h.rolling, n) * n) - (k * a.dt) * roll;
+    h.rolling = shrink * (h.rolling - dot(h.rolling, n) * n) - (k * turned) * roll;
     if (norm(h.rolling) > limit) {
       h.rolling = (limit / norm(h.rolling)) * h.rolling;
       m = h.rolling;
@@ -147,7 +169,7 @@ Vec3 moments(const Pair& p, Vec3 force, double stiffness, const AddOnParameters&
   }
   if (a.twisting != 0) {
     const double k = 2.25 * stiffness * (c.twisting * reff) * (c.twisting * reff), limit = c.twisting * reff * press;
-    h.twisting = shrink * h.twisting - k * a.dt * turn;
+    h.twisting = shrink * h.twisting - k * turned * turn;
     double total = 0;
     if (std::abs(h.twisting) > limit) {
       total = h.twisting = std::copysign(limit, h.twisting);

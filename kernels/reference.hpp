@@ -36,8 +36,8 @@ struct MomentHistory {
   double twisting = 0, stiffness = 0;  ///< [N m], [N/m] of the last step
 };
 
-/// Moment on i (minus it on j) of a contact whose law gave `force` on i and `stiffness`; `h` is updated.
-Vec3 moments(const Pair& p, Vec3 force, double stiffness, const AddOnParameters& c, const MomentArgs& a,
+/// Moment on i (minus it on j) of a contact whose law gave the pressing force and `stiffness`; `h` is updated.
+Vec3 moments(const Pair& p, double press, double stiffness, const AddOnParameters& c, const MomentArgs& a,
              MomentHistory& h);
 
 /// JKR: normal force without dashpot [N] and contact radius [m] by bisection of the two equations of the paper.

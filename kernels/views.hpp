@@ -49,14 +49,15 @@ struct Block {
   const double (*g)[k_block + k_pad];  ///< distance d [m], 1/d [1/m], effective mass [kg], lever d/w [-]
   double (*r)[k_block + k_pad];  ///< in: 0..2 v_i - v_j [m/s], 4..6 r_i w_i + r_j w_j [m/s], 7 1/m_i + 1/m_j [1/kg]
                                  ///< (without rotation: 3 holds 1/m_i + 1/m_j); out: 0..2 force on i [N], 3 stiffness
-                                 ///< [N/m] for the stability bound, 4..6 torque / radius [N]
+                                 ///< [N/m] for the stability bound, 4..6 torque / radius [N], 7 what presses the
+                                 ///< surfaces together in Coulomb's sense [N]
   const double* h_in[k_max_history];  ///< history columns of the last step
   double* h[k_max_history];           ///< of the present one; may be the same columns
   const double* reff;                 ///< R* [m] where the law wants it
   const std::int32_t* pair;           ///< material pair index where there are several materials
   double (*e)[k_block + k_pad];       ///< energy terms out: elastic [J], damping loss, friction loss of this step [J]
-  /// Out of a trial (KernelTable::trial): 0 Coulomb limit [N], 1 trial force times tangential velocity [W], 2 damping
-  /// rate [kg/s]; r holds 0..2 trial tangential force [N], 3 stiffness, 4..6 normal, 7 normal force [N].
+  /// Out of a trial (KernelTable::trial): 0 Coulomb limit [N], 1 b [m] and 2 rho [-] of CoulombLimit; r
+  /// holds 0..2 trial tangential force [N], 3 stiffness, 4..6 normal, 7 normal force [N].
   double (*t)[k_block + k_pad];
 };
 
@@ -64,7 +65,6 @@ struct Block {
 struct AddOnParameters {
   double rolling = 0, viscous = 0;   ///< mu_r [-], eta_r [-]
   double twisting = 0, torsion = 0;  ///< mu_t [-], eta_t [-]
-  double press = 0;                  ///< JKR: adhesion's share of the pressing force / R* = 3 pi w [N/m]
   double cohesion = 0;               ///< SJKR: energy density [J/m3]
 };
 
@@ -78,6 +78,8 @@ struct LawArgs {
   int onset, synchronised, contact_lever;
   int clip;      ///< the normal force never pulls
   int balanced;  ///< linear: the spring of a sliding contact takes the scaled force less the dashpot
+  int total;     ///< Coulomb's limit counts the dashpot's share of the normal force too, where it does not pull
+  int start;     ///< first step of a run: what touches has not slid yet
 };
 
 struct GatherArgs {
@@ -123,7 +125,7 @@ struct LimitArgs {
   double (*t)[k_block + k_pad];  ///< see Block::t
   const double* lever;           ///< Block::g[3], or null: levers are the radii
   double* h[3];                  ///< tangential spring [m]
-  double back;                   ///< spring per limited force [m/N]
+  double back;                   ///< spring per trial force [m/N]
 };
 
 /// Relative spin of a block's contacts, for laws with rolling or twisting.
@@ -138,7 +140,7 @@ struct SpinArgs {
 struct MomentBlock {
   int n;
   const double *x, *y, *z;             ///< centre difference i - j [m]
-  const double (*r)[k_block + k_pad];  ///< 0..2 force on i [N], 3 stiffness [N/m], as the law leaves them
+  const double (*r)[k_block + k_pad];  ///< 3 stiffness [N/m], 7 pressing force [N], as the law leaves them
   const double* reff;                  ///< R* [m]
   const std::int32_t* pair;            ///< material pair index where there are several materials
   double (*s)[k_block + k_pad];        ///< in: SpinArgs::s; out: 0..2 moment on i [N m], 3 zero
@@ -153,6 +155,7 @@ struct MomentArgs {
   int rolling;   ///< 0 none, 1 constant directional torque, 2 elastic-plastic spring and dashpot
   int twisting;  ///< 0 none, 1 spring-slider about the normal
   int rescale;   ///< the stiffness varies along a contact (Hertz): springs shrink with it
+  int start;     ///< as in LawArgs: springs have not turned yet
   int centred;   ///< as in LawArgs
 };
 

@@ -28,7 +28,7 @@ import states
 
 ROOT = os.path.dirname(states.HERE)
 LAMMPS_FORM = ["contact.dashpot=lagged", "contact.lever=radius", "contact.synchronised=false",
-               "contact.sliding=balanced"]
+               "contact.sliding=balanced", "contact.friction_limit=total"]
 CODES = ("talus", "lammps", "liggghts")
 # Speed marks on one core: Talus is to be so many times as fast as this peer ("better": the faster of the two).
 MARKS = {"settle32": (3.0, "lammps"), "settle128": (3.0, "lammps"), "settle512": (3.0, "lammps"), "chute32": (2.5, "lammps"),

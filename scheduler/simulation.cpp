@@ -63,7 +63,7 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   w.stride = h.rotation ? 8 : 4;
   w.law_variant = law_index(*w.law, scene.contact.friction, h.materials, h.energies);
   w.trial = scene.contact.model == ContactModel::linear && scene.contact.friction &&
-            scene.contact.sliding == Sliding::bounded && !h.materials && !h.energies && !h.moments && !h.cohesion;
+            scene.contact.sliding == Sliding::series && !h.materials && !h.energies && !h.moments && !h.cohesion;
   w.parameters = pair_parameters(scene);
   w.law_args.one = w.parameters[0];
   w.law_args.table = w.parameters.data();
@@ -74,6 +74,7 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   w.law_args.onset = scene.contact.onset_correction ? 1 : 0;
   w.law_args.clip = scene.contact.clip_tension ? 1 : 0;
   w.law_args.balanced = scene.contact.sliding == Sliding::balanced ? 1 : 0;
+  w.law_args.total = scene.contact.friction_limit == FrictionLimit::total || scene.contact.clip_tension ? 1 : 0;
   w.law_args.synchronised = scene.contact.synchronised ? 1 : 0;
   w.law_args.contact_lever = scene.contact.lever == Lever::contact ? 1 : 0;
   w.size = scene.domain.upper - scene.domain.lower;

@@ -202,6 +202,7 @@ void read_contact(const SceneTable& r, const std::vector<SceneTable>& pairs, con
   c.dashpot = r.choice<Dashpot>("dashpot");
   c.lever = r.choice<Lever>("lever");
   c.sliding = r.choice<Sliding>("sliding");
+  c.friction_limit = r.choice<FrictionLimit>("friction_limit");
   c.onset_correction = r.boolean("onset_correction");
   c.clip_tension = r.boolean("clip_tension");
   c.synchronised = r.boolean("synchronised");

@@ -141,10 +141,16 @@ constexpr SceneKey k_keys[] = {
     {"contact", "lever", T::choice, "", 0, 0, false, "contact|radius", "\"contact\"", "",
      "lever of the tangential force: to the contact point (conserves angular momentum) or the full radius",
      "\"radius\""},
-    {"contact", "sliding", T::choice, "", 0, 0, false, "bounded|balanced", "\"bounded\"", "model=linear",
-     "spring of a sliding contact: what the dashpot leaves of the limit, at least nothing, or the scaled force less "
-     "the dashpot (may load the spring backwards, as LAMMPS)",
+    {"contact", "sliding", T::choice, "", 0, 0, false, "series|balanced", "\"series\"", "model=linear",
+     "tangential spring of a sliding contact; series: spring and dashpot side by side, in series with the slider "
+     "(converges with the step, never yields energy); balanced: the scaled force less the dashpot (may load the spring "
+     "backwards, as LAMMPS)",
      "\"balanced\""},
+    {"contact", "friction_limit", T::choice, "", 0, 0, false, "elastic|total", "\"elastic\"", "",
+     "normal force N in |F_t| <= mu N; elastic: without the dashpot's part, which sums to nothing over an impact, so "
+     "that a sliding impact has the impulse J_t = mu J_n; total: max(F_n, 0), as other codes, which takes more than mu "
+     "J_n where the dashpot pulls; with clip_tension always total",
+     "\"total\""},
     {"contact", "rolling", T::choice, "", 0, 0, false, "none|cdt|epsd", "\"none\"", "",
      "rolling resistance; cdt: constant moment against the spin; epsd: spring, dashpot and slider (rests "
      "without creep)",

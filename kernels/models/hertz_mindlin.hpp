@@ -3,12 +3,16 @@
 //   F_n = S_n delta - alpha sqrt(m_eff S_n) v_n,  alpha = -sqrt(5) ln e / sqrt(pi^2 + ln^2 e)
 //   F_t: stored force, dF = -S_t v_t dt, rescaled by a/a_prev when the contact radius shrinks (no energy from closed
 //   loops); S_t is that of the mean of a_prev and a while the radius grows, which makes the integral second order, and
-//   that of a while it shrinks (of the mean, rescaled from there to a: the same); dashpot sqrt(2/3) alpha sqrt(m_eff
-//   S_t) v_t, |F_t| <= mu max(F_n, 0)
-// hertz_tsuji differs only in alpha (the polynomial of Tsuji et al.), chosen at set-up.
-// History: with friction 4 columns, the elastic tangential force on i [N] and the last contact radius [m]; centred and
-// damped: one more, see dashpot_velocity() of the linear law.
-// Reads kn = 4/3 E* [Pa], kt = 8 G* [Pa], gn = alpha [-], gt = sqrt(2/3) alpha [-], mu; wants R*.
+//   that of a while it shrinks (of the mean, rescaled from there to a: the same); dashpot gamma_t v_t, gamma_t =
+//   sqrt(2/3) alpha sqrt(m_eff S_t); |F_t| <= mu S_n delta (JKR: F + 3 pi w R* in place of S_n delta). Coulomb's limit
+//   and sliding ("series") as in the linear law (linear.hpp), with gamma_t m_eff -> gamma_t and k_t -> S_t; the dashpot
+//   of this law is a total derivative of the overlap, too.
+// Onset correction: with delta = u |v_n| dt in the first step and in the last, the dashpot, which starts as
+// delta^(1/4), has the weight (1/2 + u)^(5/4)/(5/4 u^(1/4)): its impulse between the touch and n+1/2. hertz_tsuji
+// differs only in alpha (the polynomial of Tsuji et al.), chosen at set-up. History: with friction 4 columns, the
+// elastic tangential force on i [N] and the last contact radius [m]; centred and damped: one more, see
+// dashpot_velocity() of the linear law. Reads kn = 4/3 E* [Pa], kt = 8 G* [Pa], gn = alpha [-], gt = sqrt(2/3) alpha
+// [-], mu; wants R*.
 #pragma once
 
 #include "kernels/models/jkr.hpp"
@@ -42,6 +46,7 @@ void hertz_force(Block& block, const LawArgs& args) {
   const Block b = block;
   const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt), hdt = S::set(0.5 * a.dt);
   const B hdt_t = S::set(0.5 * 3.5 * a.dt), two_fifths = S::set(0.4);
+  const B travel = a.start != 0 ? zero : dt;  // how long the tangential springs have moved with the spheres
   Coefficients<S, Multi> c;
   if constexpr (!Multi) c.load(b, a, 0);
   for (int k = 0; k < b.n; k += S::W) {
@@ -71,10 +76,27 @@ void hertz_force(Block& block, const LawArgs& args) {
     if (Friction || a.recall != 0) mid_normal.set(v, n, vn, inv, a.dt, a.synchronised);
     B vd = vn;
     if (a.recall != 0) vd = dashpot_velocity<S>(vn, mid_normal, S::load(b.h_in[k_recall] + k), fn, ms, delta, a.dt);
-    fn = fn - cn * vd;
-    if (a.centred != 0) fn = fn / (one + hdt * (cn * ms));
+    const B elastic = fn, step = S::abs(vn) * dt;
+    const auto approaches = S::lt(vn, zero), brief = S::lt(delta, step);
+    const bool edges = !Adhesive && a.centred != 0 && a.onset != 0 && S::any(brief);
+    B weight = one, counted = one, slid = travel;  // as in the linear law
+    if (edges) {
+      const B u = delta / step, q = half + u;
+      if (a.recall != 0) {
+        const auto fresh = lacks_prediction<S>(S::load(b.h_in[k_recall] + k));
+        counted = S::select(brief, S::select(fresh, S::select(S::gt(vn, zero), zero, one), one), one);
+      }
+      weight = S::select(brief, (S::set(0.8) * (q * S::sqrt(S::sqrt(q / u)))) * counted, one);
+      slid = S::select(brief, S::select(approaches, dt * u, slid), slid);
+    }
+    const B cw = cn * weight;
+    fn = fn - cw * vd;
+    if (a.centred != 0) fn = fn / (one + hdt * (cw * ms));
     if (!Adhesive && a.clip != 0) fn = S::select(S::gt(fn, zero), fn, zero);  // as in the linear law
-    if (a.recall != 0) S::store(b.h[k_recall] + k, vn + dt * (fn * ms));
+    if (a.recall != 0) {
+      const B next = vn + dt * (fn * ms);
+      S::store(b.h[k_recall] + k, edges ? S::select(brief, S::select(S::gt(vn, zero), zero, next), next) : next);
+    }
     B f[3] = {fn * n[0], fn * n[1], fn * n[2]};
     B mid = one;  // dashpot at n-1/2 over that at n
     if constexpr (Energy) {
@@ -94,6 +116,11 @@ void hertz_force(Block& block, const LawArgs& args) {
         mid = S::sqrt(S::sqrt(S::select(S::gt(middle, zero), middle, zero) / delta));
         S::store(b.e[0] + k, two_fifths * (sn * (delta * delta)));
         B loss = dt * ((cn * mid) * (vn * vn));
+        if (edges) {  // from the instant of touch, and to that of parting
+          const B edge = (S::set(0.8) * (delta / S::abs(vn))) * (cn * (vn * vn));
+          loss = S::select(brief, (S::select(approaches, zero, loss) + edge) * counted, loss);
+          mid = S::select(brief, S::select(approaches, S::set(0.8), mid), mid);
+        }
         if (a.clip != 0) {
           const B last = delta + dt * vn, before = c.kn * (S::sqrt(reff * S::select(S::gt(last, zero), last, zero)));
           loss = S::select(S::gt(fn, zero), loss, two_fifths * (before * (last * last) - sn * (delta * delta)));
@@ -112,35 +139,41 @@ void hertz_force(Block& block, const LawArgs& args) {
       const B hn = (h[0] * n[0] + h[1] * n[1]) + h[2] * n[2];
       const B before = S::select(S::gt(last, zero), ((h[0] * h[0] + h[1] * h[1]) + h[2] * h[2]) / last, zero);
       const B rescale = S::select(S::lt(radius, last), radius / last, one);
-      const B shrink = a.centred != 0 ? one / (one + hdt_t * (ct * ms)) : one;
-      const B mean = half * (radius + last), moved = S::select(S::lt(mean, radius), mean, radius);
-      const B slid = dt * (c.kt * moved);
+      const B grow = a.centred != 0 ? one + hdt_t * (ct * ms) : one, shrink = one / grow;
+      const B mean = half * (radius + last);
+      B moved = S::select(S::lt(mean, radius), mean, radius);
+      if (edges)  // the radius has grown as the root of the time since touch
+        moved = S::select(brief, S::select(approaches, S::set(2.0 / 3.0) * radius, moved), moved);
+      const B travelled = slid * (c.kt * moved);
       B g[3], trial[3];
       for (int q = 0; q < 3; ++q) {
-        h[q] = trial[q] = (h[q] - hn * n[q]) * rescale - slid * t[q];
+        h[q] = trial[q] = (h[q] - hn * n[q]) * rescale - travelled * t[q];
         g[q] = (h[q] - ct * t[q]) * shrink;
       }
       const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
-      B press = fn;
-      if constexpr (Adhesive) press = fn + S::set(3.0) * jkr.pull;
-      const B limit = c.mu * S::select(S::gt(press, zero), press, zero);
+      B press = elastic;
+      if constexpr (Adhesive) press = press + S::set(3.0) * jkr.pull;
+      B middle = c.mu * (press + (S::set(1.5) * sn) * (hdt * vn));  // Coulomb's limit at n-1/2
+      if (edges)                                                    // as that time to the power of 3/2
+        middle = S::select(brief, S::select(approaches, two_fifths * (c.mu * press), middle), middle);
+      if (a.total != 0) {
+        press = fn;
+        if constexpr (Adhesive) press = fn + S::set(3.0) * jkr.pull;
+        press = S::select(S::gt(press, zero), press, zero);
+        middle = c.mu * press;
+      }
+      const B limit = c.mu * press;
       const auto slides = S::gt(g2, limit * limit);
-      B damped = zero;  // power of the dashpot
-      if constexpr (Energy) damped = ct * ((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]);
       if (S::any(slides)) {
-        // as in the linear law: the spring carries what the dashpot leaves of the limit, at least nothing
-        const B inv_g = over_root<S>(one, g2), along = ((g[0] * t[0] + g[1] * t[1]) + g[2] * t[2]) * inv_g;
-        const B spring = limit / shrink + ct * along;
-        const B scale = S::select(slides, limit * inv_g, one);
-        const B keep = S::select(S::gt(spring, zero), spring, zero) * inv_g;
+        // as in the linear law, with rho = ct / travelled
+        const B memory = ct * (ct + travelled), whole = memory + half * (travelled * travelled);
+        const B size = S::fast ? g2 * over_root<S>(one, g2) : S::sqrt(g2), all = one / (size * whole);
+        const B keep = memory * (all * size), scale = S::select(slides, limit * (all * whole), one);
+        const B creep = ct * middle + half * (travelled * limit);
+        const B pull = (travelled * all) * (creep - ct * (size * grow));
         for (int q = 0; q < 3; ++q) {
-          h[q] = S::select(slides, g[q] * keep, h[q]);
+          h[q] = S::select(slides, keep * h[q] + pull * g[q], h[q]);
           g[q] = g[q] * scale;
-        }
-        if constexpr (Energy) {
-          const B capped = zero - limit * along,
-                  mean = half * (capped + S::select(S::gt(before, zero), damped, capped));
-          damped = S::select(slides, S::select(S::gt(spring, zero), damped, mean), damped);
         }
       }
       for (int q = 0; q < 3; ++q) {
@@ -149,23 +182,27 @@ void hertz_force(Block& block, const LawArgs& args) {
       }
       S::store(b.h[3] + k, radius);
       if constexpr (Energy) {
-        // Elastic energy of the tangential spring F^2 / (2 S_t). Sliding loses (trial - F) / S_t times the mean of the
-        // force before and after the step. A change of the contact radius changes F^2 / S_t by the ratio of the smaller
-        // to the larger one (F is rescaled on unloading; on loading S_t grows at constant F, to that of the mean radius
-        // before the increment and to that of the present one after it); neither partner gets that energy, it counts as
-        // friction.
-        const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
-        B slip = zero;
-        for (int q = 0; q < 3; ++q) slip = slip + (half * ((trial[q] + slid * t[q]) + h[q])) * (trial[q] - h[q]);
+        // A change of the contact radius changes F^2 / S_t by the ratio of the smaller to the larger one (F is rescaled
+        // on unloading; on loading S_t grows at constant F, to that of the mean radius before the increment and to that
+        // of the present one after it); neither partner gets that energy, it counts as friction.
+        const B stiffness = c.kt * moved, soft = zero - one / stiffness;
+        B way[3], most[3], h2 = zero;
+        for (int q = 0; q < 3; ++q) {
+          h2 = h2 + h[q] * h[q];
+          way[q] = soft * h[q];
+          most[q] = soft * trial[q];
+        }
+        const auto parts = S::lt(delta, S::select(S::gt(vn, zero), step, zero));
+        tangential_ledger<S>(b, k, {stiffness, stiffness * (moved / radius), mid * ct, slid, parts, counted}, false,
+                             way, most, t);
         const B kept = S::select(S::lt(radius, last), rescale, last / moved);
         const B released = half * (before * (one - kept) + h2 * (one / moved - one / radius)) / c.kt;
-        S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (h2 / st));
-        S::store(b.e[1] + k, S::load(b.e[1] + k) + dt * (mid * damped));
-        S::store(b.e[2] + k, slip / (c.kt * moved) + released);
+        S::store(b.e[2] + k, S::load(b.e[2] + k) + released);
       }
       S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));
       S::store(b.r[5] + k, lever * (n[0] * g[2] - n[2] * g[0]));
       S::store(b.r[6] + k, lever * (n[1] * g[0] - n[0] * g[1]));
+      S::store(b.r[7] + k, press);
     }
     S::store(b.r[0] + k, f[0]);
     S::store(b.r[1] + k, f[1]);

@@ -1,5 +1,5 @@
 // Linear spring-dashpot with Coulomb friction and tangential history (Cundall & Strack; LAMMPS gran/hooke/history).
-//   F_n = k_n delta - gamma_n m_eff v_n,   F_t = -(k_t xi + gamma_t m_eff v_t),   |F_t| <= mu max(F_n, 0)
+//   F_n = k_n delta - gamma_n m_eff v_n,   F_t = -(k_t xi + gamma_t m_eff v_t),   |F_t| <= L
 // Dashpot: velocities are known at n-1/2.
 // - lagged: uses them as they stand; first order.
 // - pairwise: the force of step n fits the velocity at n, v_n = v(n-1/2) + F dt/(2 m_eff), solved for the pair alone:
@@ -12,10 +12,20 @@
 // error of order dt that depends on the phase. The tangential spring too starts at the instant of touch: in that step
 // it moves for delta/|v_n| instead of dt, without which every sticking contact carries half a step's slip too much
 // (tests/verification/order_test.cpp).
+// A contact that a run starts with has not slid yet.
+// Coulomb's limit L = mu k_n delta, the elastic part of the normal force. Over an impact the dashpot's part sums to
+// nothing, for it is a total derivative of the overlap: gross sliding has the impulse J_t = mu J_n at every
+// restitution. friction_limit = "total" is mu max(F_n, 0), which takes more than mu J_n where the dashpot pulls; also
+// taken where F_n never pulls (clip).
 // Sliding:
-// - bounded: the spring is set to max(0, limit - dashpot) along the force, so that it never stores energy that the
-//   dashpot put into it.
-// - balanced: to the scaled force less the dashpot, as vectors, which may load it backwards (LAMMPS).
+// - series: spring and dashpot side by side (Kelvin-Voigt), in series with a slider. While the trial force
+//   g = -(k_t xi + gamma_t m_eff v_t) exceeds L, the force is L along g and the spring creeps towards it,
+//     gamma_t m_eff xi' = -L g/|g| - k_t xi,   slip velocity v_t - xi' = (|g| - L)/(gamma_t m_eff) along -g.
+//   Both parts dissipate on every path, and xi' is continuous where the contact sticks again. One step by an L-stable
+//   rule of second order, rho = gamma_t m_eff/(k_t dt):
+//     xi_n = (rho^2 xi_{n-1} - (rho L(n-1/2) + L/2) g/(|g| k_t))/(rho^2 + rho + 1/2)
+//   Without a dashpot that is xi = -L g/(|g| k_t).
+// - balanced: the spring takes the scaled force less the dashpot, as vectors, which may load it backwards (LAMMPS).
 // History: with friction 3 columns, the tangential spring xi [m], oriented i - j; centred and damped: one more, the
 // predicted velocity [m/s].
 // Reads kn, kt [N/m], gn, gt [1/s] (or 2 beta [-] with by_restitution), mu.
@@ -132,25 +142,30 @@ TALUS_INLINE typename S::B over_root(typename S::B a, typename S::B b) {
     return a / S::sqrt(b);
 }
 
-/// Coulomb: the factor that brings a trial force g to the limit, and the spring that carries what the dashpot leaves of
-/// it. No branch: some of eight contacts slide often enough that mispredictions cost more than the arithmetic.
+/// Coulomb: the factor that brings a trial force g to the limit, and what a sliding contact's spring becomes,
+/// xi = spring xi - pull g. b = (rho L(n-1/2) + L/2)/k_t, back = spring per trial force. No branch: some of eight
+/// contacts slide often enough that mispredictions cost more than the arithmetic. One division serves all.
 template <class S>
 struct CoulombLimit {
   typename S::M slides;
-  typename S::B inv_g, along, spring, scale;  ///< along: tangential velocity along g; spring [N]
-  TALUS_INLINE void set(const typename S::B* g, typename S::B limit, typename S::B power, typename S::B rate) {
+  typename S::B scale, spring, pull;
+  TALUS_INLINE void set(const typename S::B* g, typename S::B limit, typename S::B b, typename S::B rho,
+                        typename S::B back) {
     const auto one = S::set(1.0), g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
+    const auto memory = rho * rho + rho, whole = memory + S::set(0.5);
+    typename S::B size, all;  // 1/(|g| whole)
+    if constexpr (S::fast) {
+      const auto inv_g = S::inverse_sqrt(g2);
+      size = g2 * inv_g;
+      all = inv_g * S::inverse(whole);
+    } else {
+      size = S::sqrt(g2);
+      all = one / (size * whole);
+    }
     slides = S::gt(g2, limit * limit);
-    inv_g = over_root<S>(one, g2);
-    along = power * inv_g;
-    spring = limit + rate * along;
-    scale = S::select(slides, limit * inv_g, one);
-  }
-  /// Spring [m] over trial force, for sliding contacts. It never pushes backwards: a spring loaded against the dashpot
-  /// would part with energy that nothing gave back.
-  TALUS_INLINE typename S::B keep(typename S::B back) const {
-    const auto zero = S::set(0.0);
-    return (S::select(S::gt(spring, zero), spring, zero) * inv_g) * back;
+    scale = S::select(slides, limit * (all * whole), one);
+    spring = memory * (all * size);
+    pull = (b - (rho * back) * size) * all;
   }
 };
 
@@ -158,11 +173,12 @@ struct CoulombLimit {
 /// has one material pair and damping rates, because divisions and square roots are what bounds this kernel.
 template <class S>
 struct LinearFactors {
-  typename S::B gn, gt, back;
+  typename S::B gn, gt, soft, back;                  ///< rates; 1/k_t, and over the denominator of the trial force
+  typename S::B relax, cap;                          ///< rho/m_eff [1/kg]; L/(k_t delta) [-]
   typename S::B spring_n, rate_n, spring_t, rate_t;  ///< stiffnesses and rates over their denominators
-  TALUS_INLINE void set(typename S::B kn, typename S::B kt, typename S::B damping_n, typename S::B damping_t,
-                        const LawArgs& a) {
-    const auto one = S::set(1.0);
+  TALUS_INLINE void set(typename S::B kn, typename S::B kt, typename S::B mu, typename S::B damping_n,
+                        typename S::B damping_t, const LawArgs& a) {
+    const auto one = S::set(1.0), zero = S::set(0.0);
     // Tangential compliance of two rolling spheres is 7/2 of the translational one (I = 2/5 m r^2, lever r).
     const auto grow_n = one + S::set(0.5 * a.dt) * damping_n, grow_t = one + S::set(0.5 * 3.5 * a.dt) * damping_t;
     const auto shrink_n = a.centred != 0 ? one / grow_n : one, shrink_t = a.centred != 0 ? one / grow_t : one;
@@ -172,9 +188,45 @@ struct LinearFactors {
     rate_n = gn * shrink_n;
     spring_t = kt * shrink_t;
     rate_t = gt * shrink_t;
-    back = a.centred != 0 ? grow_t / kt : one / kt;
+    // no spring, or no time that it has moved: nothing to store
+    soft = a.start != 0 ? zero : S::select(S::gt(kt, zero), one / kt, zero);
+    back = a.centred != 0 ? soft * grow_t : soft;
+    relax = (gt * soft) * S::set(1 / a.dt);
+    cap = mu * (kn * soft);
   }
 };
+
+/// Stiffness over the step and at its end [N/m], dashpot [kg/s], how long the spring has moved [s]; a contact that
+/// parts before the next step, and whether the step before has counted that (0).
+template <class S>
+struct TangentialStep {
+  typename S::B kt, last, ct, slid;
+  typename S::M parts;
+  typename S::B counted;
+};
+
+/// Energy of the tangential spring, added to that of the normal one, and what the step has lost, by the midpoint rule:
+/// what the spring has moved heats the dashpot; what it has not, the slider, against the force of spring and dashpot.
+/// What a parting contact still stores nobody gets back: its dashpot relaxes the spring.
+template <class S>
+TALUS_INLINE void tangential_ledger(const Block& b, int k, const TangentialStep<S>& q, bool balanced,
+                                    const typename S::B* h, const typename S::B* trial, const typename S::B* t) {
+  using B = typename S::B;
+  const B zero = S::set(0.0), half = S::set(0.5);
+  const B rate = q.ct * S::select(S::gt(q.slid, zero), S::set(1.0) / q.slid, zero);
+  B stored = zero, heat = zero, rubbed = zero;
+  for (int p = 0; p < 3; ++p) {
+    const B way = t[p] * q.slid, rest = trial[p] - h[p], moved = balanced ? way : way - rest;
+    const B spring = (half * q.kt) * ((trial[p] - way) + h[p]);
+    stored = stored + (half * q.last) * (h[p] * h[p]);
+    heat = heat + rate * (moved * moved);
+    rubbed = rubbed + (balanced ? spring : spring + rate * moved) * rest;
+  }
+  const B freed = S::select(q.parts, stored, zero);
+  S::store(b.e[0] + k, S::load(b.e[0] + k) + (stored - freed));
+  S::store(b.e[1] + k, S::load(b.e[1] + k) + (heat + freed * q.counted));
+  S::store(b.e[2] + k, rubbed);
+}
 
 /// Trial: stops before the Coulomb limit and leaves its input (Block::t). Returns 1/(k_t shrink) of one material pair.
 template <class S, bool Friction, bool Multi, bool Energy, bool Trial>
@@ -189,8 +241,9 @@ double linear_force(Block& block, const LawArgs& args) {
   const bool constant = !Multi && a.by_restitution == 0;
   if constexpr (!Multi) {
     c.load(b, a, 0);
-    shared.set(c.kn, c.kt, c.gn, c.gt, a);
+    shared.set(c.kn, c.kt, c.mu, c.gn, c.gt, a);
   }
+  const B travel = a.start != 0 ? zero : dt;
   for (int k = 0; k < b.n; k += S::W) {
     if constexpr (Multi) c.load(b, a, k);
     const B x[3] = {S::load(b.x + k), S::load(b.y + k), S::load(b.z + k)};
@@ -201,7 +254,7 @@ double linear_force(Block& block, const LawArgs& args) {
     LinearFactors<S> f = shared;
     if (!constant) {
       const B root = a.by_restitution != 0 ? S::sqrt(c.kn * S::load(b.r[k_mass] + k)) : one;
-      f.set(c.kn, c.kt, c.gn * root, c.gt, a);  // the tangential rate stays in 1/s
+      f.set(c.kn, c.kt, c.mu, c.gn * root, c.gt, a);  // the tangential rate stays in 1/s
     }
     MidNormal<S> mid;
     if (Friction || a.recall != 0) mid.set(v, n, vn, inv, a.dt, a.synchronised);
@@ -212,8 +265,10 @@ double linear_force(Block& block, const LawArgs& args) {
                                a.dt);
     const B step = S::abs(vn) * dt;
     const auto brief = S::lt(delta, step);
-    B slid = dt;      // how long the tangential spring has moved with the spheres
-    B counted = one;  // 0: the last step has counted the dashpot to the end
+    B slid = travel;         // how long the tangential spring has moved with the spheres
+    B since = hdt * vn;      // overlap at the middle of that time less the present one
+    B rho = meff * f.relax;  // see CoulombLimit
+    B counted = one;         // 0: the last step has counted the dashpot to the end
     B fn = f.spring_n * delta - f.rate_n * (meff * vd);
     // a contact that would pull exerts nothing until it parts
     const auto clip = [&] {
@@ -223,8 +278,14 @@ double linear_force(Block& block, const LawArgs& args) {
       if (a.recall != 0) S::store(b.h[k_recall] + k, prediction);
     };
     if (a.centred != 0 && a.onset != 0 && S::any(brief)) {
-      slid = S::select(brief, S::select(S::lt(vn, zero), dt * (delta / step), dt), dt);
-      B weight = S::select(brief, half + delta / step, one);
+      const B u = delta / step;
+      if constexpr (Friction) {  // first step: all of this began u dt ago
+        const auto touch = [&](B& to, B value) { to = S::select(brief, S::select(S::lt(vn, zero), value, to), to); };
+        touch(slid, dt * u);
+        touch(since, zero - half * delta);
+        touch(rho, rho / u);
+      }
+      B weight = S::select(brief, half + u, one);
       const auto leaves = S::gt(vn, zero);
       if (a.recall != 0) {
         // The dashpot slows a parting pair, which may so touch once more, by less than a step; the step before, told by
@@ -272,8 +333,12 @@ double linear_force(Block& block, const LawArgs& args) {
         h[p] = trial[p] = (h[p] - hn * n[p]) + t[p] * slid;
         g[p] = zero - (f.spring_t * h[p] + rate * t[p]);
       }
-      const B limit = c.mu * S::select(S::gt(fn, zero), fn, zero);
-      const B power = (g[0] * t[0] + g[1] * t[1]) + g[2] * t[2];
+      B press = spring_force, creep = f.cap * (half * delta + rho * (delta + since));
+      if (a.total != 0) {
+        press = S::select(S::gt(fn, zero), fn, zero);
+        creep = (c.mu * f.soft) * (press * (half + rho));
+      }
+      const B limit = c.mu * press;
       if constexpr (Trial) {
         for (int p = 0; p < 3; ++p) {
           S::store(b.h[p] + k, h[p]);
@@ -283,49 +348,32 @@ double linear_force(Block& block, const LawArgs& args) {
         S::store(b.r[3] + k, c.kn);
         S::store(b.r[7] + k, fn);
         S::store(b.t[0] + k, limit);
-        S::store(b.t[1] + k, power);
-        S::store(b.t[2] + k, rate);
+        S::store(b.t[1] + k, creep);
+        S::store(b.t[2] + k, rho);
         continue;
       }
-      B damped = zero;  // power of the dashpot
-      if constexpr (Energy) damped = (f.gt * meff) * ((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]);
       CoulombLimit<S> coulomb;
-      coulomb.set(g, limit, power, rate);
-      if (a.balanced == 0) {
-        const B keep = coulomb.keep(f.back);
-        for (int p = 0; p < 3; ++p) h[p] = S::select(coulomb.slides, zero - g[p] * keep, h[p]);
-      } else {
-        for (int p = 0; p < 3; ++p)
-          h[p] = S::select(coulomb.slides, zero - (g[p] * coulomb.scale + rate * t[p]) * f.back, h[p]);
-      }
-      for (int p = 0; p < 3; ++p) g[p] = g[p] * coulomb.scale;
-      if (Energy && a.balanced == 0) {
-        // where the limit caps the dashpot itself: the mean of the forces before and after the step counts
-        B last = zero;
-        for (int p = 0; p < 3; ++p) last = last + S::abs(trial[p] - t[p] * slid);
-        const B capped = zero - limit * coulomb.along,
-                mean = half * (capped + S::select(S::gt(last, zero), damped, capped));
-        damped = S::select(coulomb.slides, S::select(S::gt(coulomb.spring, zero), damped, mean), damped);
+      coulomb.set(g, limit, creep, rho, f.back);
+      for (int p = 0; p < 3; ++p) {
+        const B left = a.balanced == 0 ? coulomb.spring * h[p] - coulomb.pull * g[p]
+                                       : zero - (g[p] * coulomb.scale + rate * t[p]) * f.back;
+        h[p] = S::select(coulomb.slides, left, h[p]);
+        g[p] = g[p] * coulomb.scale;
       }
       for (int p = 0; p < 3; ++p) {
         S::store(b.h[p] + k, h[p]);
         force_i[p] = force_i[p] + g[p];
       }
       if constexpr (Energy) {
-        const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
-        // the slider moves by what the trial spring exceeds the final one, against the mean of the spring's force
-        // before and after the step (a Coulomb limit that falls releases a loaded spring within few steps)
-        B slip = zero;
-        for (int p = 0; p < 3; ++p) slip = slip + (half * ((trial[p] - t[p] * slid) + h[p])) * (trial[p] - h[p]);
-        S::store(b.e[0] + k, S::load(b.e[0] + k) + half * (c.kt * h2));
-        S::store(b.e[1] + k,
-                 S::load(b.e[1] + k) + dt * (S::select(brief, S::select(S::lt(vn, zero), half, one), one) * damped));
-        S::store(b.e[2] + k, c.kt * slip);
+        tangential_ledger<S>(
+            b, k, {c.kt, c.kt, f.gt * meff, slid, S::lt(delta, S::select(S::gt(vn, zero), step, zero)), counted},
+            a.balanced != 0, h, trial, t);
       }
       // T / r = -lever n x F_t, the same for both partners.
       S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));
       S::store(b.r[5] + k, lever * (n[0] * g[2] - n[2] * g[0]));
       S::store(b.r[6] + k, lever * (n[1] * g[0] - n[0] * g[1]));
+      S::store(b.r[7] + k, press);
     }
     S::store(b.r[0] + k, force_i[0]);
     S::store(b.r[1] + k, force_i[1]);
@@ -360,11 +408,11 @@ void scatter_limited(const LimitArgs& args) {
     const B n[3] = {S::load(a.to.r[4] + k), S::load(a.to.r[5] + k), S::load(a.to.r[6] + k)};
     const B fn = S::load(a.to.r[7] + k), lever = a.lever != nullptr ? S::load(a.lever + k) : one;
     CoulombLimit<S> coulomb;
-    coulomb.set(g, S::load(a.t[0] + k), S::load(a.t[1] + k), S::load(a.t[2] + k));
-    const B keep = coulomb.keep(back);
+    coulomb.set(g, S::load(a.t[0] + k), S::load(a.t[1] + k), S::load(a.t[2] + k), back);
     B r[8], f[3];
     for (int p = 0; p < 3; ++p) {
-      S::store(a.h[p] + k, S::select(coulomb.slides, zero - g[p] * keep, S::load(a.h[p] + k)));
+      const B h = S::load(a.h[p] + k);
+      S::store(a.h[p] + k, S::select(coulomb.slides, coulomb.spring * h - coulomb.pull * g[p], h));
       f[p] = g[p] * coulomb.scale;
       r[p] = fn * n[p] + f[p];
     }

@@ -1,7 +1,7 @@
 // Rolling and twisting resistance, an addition to any contact law: the law has run, its force F and stiffness k_n of
 // the contact are known; this pass adds a moment M on i and -M on j. Instantiated by isa_*.cpp; called by
-// scheduler/add_ons.cpp for scenes that ask for it. With w = w_i - w_j, N = max(F.n, 0) (JKR: F.n + 3 pi w_a R*, the
-// force that presses the surfaces together), R* the reduced radius (a wall: r):
+// scheduler/add_ons.cpp for scenes that ask for it. With w = w_i - w_j, N the force that presses the surfaces together
+// as Coulomb's limit counts it (the elastic part; JKR: plus 3 pi w_a R*), R* the reduced radius (a wall: r):
 //   constant directional torque ("cdt"):  M = -mu_r R* N w_r/|w_r|,  w_r = w - (w.n) n, but no more than stops the
 //     spin of the free pair within the step: the sign of a rounding error must not steer the full moment
 //   elastic-plastic spring-dashpot ("epsd", Ai et al. 2011, model C):  dM = -k_r w_r dt,  k_r = 9/4 k_n mu_r^2 R*^2,
@@ -38,30 +38,27 @@ void spin(const SpinArgs& a) {
 /// Coefficients of W contacts.
 template <class S>
 struct MomentCoefficients {
-  typename S::B rolling, viscous, twisting, torsion, press;
+  typename S::B rolling, viscous, twisting, torsion;
   TALUS_INLINE void load(const MomentBlock& b, const MomentArgs& a, int k) {
     if (a.table == nullptr) {
       rolling = S::set(a.one.rolling);
       viscous = S::set(a.one.viscous);
       twisting = S::set(a.one.twisting);
       torsion = S::set(a.one.torsion);
-      press = S::set(a.one.press);
       return;
     }
-    double t[5][S::W];
+    double t[4][S::W];
     for (int q = 0; q < S::W; ++q) {
       const AddOnParameters& p = a.table[b.pair[k + q]];
       t[0][q] = p.rolling;
       t[1][q] = p.viscous;
       t[2][q] = p.twisting;
-      t[3][q] = p.press;
-      t[4][q] = p.torsion;
+      t[3][q] = p.torsion;
     }
     rolling = S::load(t[0]);
     viscous = S::load(t[1]);
     twisting = S::load(t[2]);
-    press = S::load(t[3]);
-    torsion = S::load(t[4]);
+    torsion = S::load(t[3]);
   }
 };
 
@@ -70,6 +67,7 @@ void moments(MomentBlock& b, const MomentArgs& args) {
   using B = typename S::B;
   const MomentArgs a = args;
   const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt);
+  const B turned = S::set(a.start != 0 ? 0.0 : a.dt);  // how long the springs have turned with the grains
   const bool epsd = a.rolling == 2;
   const int twist_column = epsd ? 3 : 0, last_column = twist_column + a.twisting;
   for (int k = 0; k < b.n; k += S::W) {
@@ -82,9 +80,7 @@ void moments(MomentBlock& b, const MomentArgs& args) {
     const B turn = (s[0] * n[0] + s[1] * n[1]) + s[2] * n[2];
     const B roll[3] = {s[0] - turn * n[0], s[1] - turn * n[1], s[2] - turn * n[2]};
     const B reff = S::load(b.reff + k), stiffness = S::load(b.r[3] + k);
-    const B f[3] = {S::load(b.r[0] + k), S::load(b.r[1] + k), S::load(b.r[2] + k)};
-    const B fn = ((f[0] * n[0] + f[1] * n[1]) + f[2] * n[2]) + c.press * reff;
-    const B arm = reff * S::select(S::gt(fn, zero), fn, zero);
+    const B arm = reff * S::load(b.r[7] + k);
     const B roll2 = (roll[0] * roll[0] + roll[1] * roll[1]) + roll[2] * roll[2];
     B m[3] = {zero, zero, zero}, elastic = zero, damped = zero, rubbed = zero;
     B shrink = one, kept = one;  // of the stored moments, and of their energy
@@ -110,7 +106,7 @@ void moments(MomentBlock& b, const MomentArgs& args) {
       B h[3], old[3], trial[3];
       for (int q = 0; q < 3; ++q) {
         old[q] = (before[q] - along * n[q]) * shrink;
-        h[q] = trial[q] = old[q] - kr * (roll[q] * dt);
+        h[q] = trial[q] = old[q] - kr * (roll[q] * turned);
       }
       const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
       const auto slides = S::gt(h2, limit * limit);
@@ -141,7 +137,7 @@ void moments(MomentBlock& b, const MomentArgs& args) {
     }
     if (a.twisting != 0) {
       const B kt = spring_unit * (c.twisting * c.twisting), limit = c.twisting * arm;
-      const B old = S::load(b.h[twist_column] + k) * shrink, trial = old - kt * (turn * dt);
+      const B old = S::load(b.h[twist_column] + k) * shrink, trial = old - kt * (turn * turned);
       B h = S::select(S::gt(trial, limit), limit, trial);
       h = S::select(S::lt(h, zero - limit), zero - limit, h);
       S::store(b.h[twist_column] + k, h);

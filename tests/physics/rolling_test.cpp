@@ -50,7 +50,7 @@ void resist(Scene& s, Rolling kind, double mu_r, double eta_r, double mu_t = 0, 
 class Stop : public testing::TestWithParam<std::pair<Rolling, bool>> {};
 
 // A rolling sphere slows down at 5/7 mu_r g: v0^2 / (2 5/7 mu_r g). The spring of EPSD winds up over r theta = overlap
-// / (9/4 mu_r), and the dashpot of the contact turns with it: 1e-3 of the distance here.
+// / (9/4 mu_r), and the dashpot of the contact turns with it, for the two steps before the limit: 2e-3 of the distance here.
 TEST_P(Stop, RollsTheClosedFormDistanceAndStays) {
   const auto [kind, hertz] = GetParam();
   const double v0 = 0.3, mu_r = 0.05;
@@ -66,7 +66,7 @@ TEST_P(Stop, RollsTheClosedFormDistanceAndStays) {
   figure(std::string(kind == Rolling::cdt ? "cdt" : "epsd") + (hertz ? ", hertz" : ", linear") +
              ": distance / closed form",
          (f.x[0].x - 0.5) / distance);
-  EXPECT_NEAR((f.x[0].x - 0.5) / distance, 1, 3e-3);
+  EXPECT_NEAR((f.x[0].x - 0.5) / distance, 1, 4e-3);
   EXPECT_LT(norm(f.v[0]), 2e-3 * v0);
   EXPECT_LT(norm(f.w[0]), 2e-3 * v0 / k_r);
 }

@@ -53,9 +53,9 @@ struct Hertz {
 /// Sphere of `a` on a rigid wall (r_b = 0) or on a sphere of `b`.
 Hertz hertz_contact(const Material& a, double r_a, const Material& b, double r_b, double e);
 
-/// What friction feels of a damped normal impact: impulse of the repulsive part over the whole impulse m (1 + e) v.
-/// The dashpot's tail pulls, friction is cut there, so that gross sliding takes mu times this share. Independent of the
-/// speed for both laws. Linear: closed form. Hertz: integrated here with graded steps.
+/// What friction_limit = "total" makes of a damped normal impact: impulse of the repulsive part over the whole one,
+/// m (1 + e) v. The dashpot's tail pulls, friction is cut there, so that gross sliding takes mu times this share.
+/// Independent of the speed for both laws. Linear: closed form. Hertz: integrated here with graded steps.
 double repulsive_share_linear(double e);
 double repulsive_share_hertz(double e);
 

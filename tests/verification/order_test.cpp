@@ -116,7 +116,8 @@ void check(const std::string& name, Case c, double low, double error, const std:
 //   spring in a single step. Sliding before the end, as with any usual mu, does not show it.
 const char* const k_release = "the loaded spring's release within the last step";
 // - Hertz: the dashpot starts as depth^(1/4) and the tangential stiffness as depth^(1/2), neither differentiable at
-//   touch: orders 5/4 and 3/2.
+//   touch: orders 5/4 and 3/2 where nothing is done about it. The dashpot of the first and last step is weighed with
+//   its integral, which leaves a twentieth of the error, of first order, from the steps next to them.
 const char* const k_quarter = "the dashpot's start as depth^(1/4)";
 const char* const k_root = "the tangential stiffness's start as depth^(1/2)";
 
@@ -128,7 +129,7 @@ TEST(Order, LinearDampedWithoutGravity) {
 }
 TEST(Order, LinearDamped) { check("linear, e 0.6, no friction", {false, 0.6, none}, 1.8, 1.5e-4); }
 TEST(Order, LinearElasticSticking) { check("linear, e 1, sticking", {false, 1, sticks}, 1.1, 2.5e-3, k_release); }
-TEST(Order, LinearDampedSticking) { check("linear, e 0.6, sticking", {false, 0.6, sticks}, 1.3, 4e-3, k_release); }
+TEST(Order, LinearDampedSticking) { check("linear, e 0.6, sticking", {false, 0.6, sticks}, 1.2, 2e-3, k_release); }
 TEST(Order, LinearElasticSliding) { check("linear, e 1, sliding", {false, 1, slides}, 1.85, 6e-5); }
 TEST(Order, LinearDampedSliding) { check("linear, e 0.6, sliding", {false, 0.6, slides}, 1.8, 1.5e-4); }
 TEST(Order, LinearElasticSlidingThenSticking) {
@@ -138,16 +139,16 @@ TEST(Order, LinearDampedSlidingThenSticking) {
   check("linear, e 0.6, sliding then sticking", {false, 0.6, both}, 1.8, 1.5e-4);
 }
 TEST(Order, HertzElastic) { check("Hertz, e 1, no friction", {true, 1, none}, 1.9, 8e-5); }
-TEST(Order, HertzDamped) { check("Hertz, e 0.6, no friction", {true, 0.6, none}, 1.2, 1e-3, k_quarter); }
-TEST(Order, HertzElasticSticking) { check("Hertz, e 1, sticking", {true, 1, sticks}, 1.3, 5e-4, k_root); }
-TEST(Order, HertzDampedSticking) { check("Hertz, e 0.6, sticking", {true, 0.6, sticks}, 1.1, 1.5e-3, k_quarter); }
+TEST(Order, HertzDamped) { check("Hertz, e 0.6, no friction", {true, 0.6, none}, 0.95, 1e-4, k_quarter); }
+TEST(Order, HertzElasticSticking) { check("Hertz, e 1, sticking", {true, 1, sticks}, 1.3, 4e-4, k_root); }
+TEST(Order, HertzDampedSticking) { check("Hertz, e 0.6, sticking", {true, 0.6, sticks}, 1.2, 3e-4, k_quarter); }
 TEST(Order, HertzElasticSliding) { check("Hertz, e 1, sliding", {true, 1, slides}, 1.9, 8e-5); }
-TEST(Order, HertzDampedSliding) { check("Hertz, e 0.6, sliding", {true, 0.6, slides}, 1.2, 1e-3, k_quarter); }
+TEST(Order, HertzDampedSliding) { check("Hertz, e 0.6, sliding", {true, 0.6, slides}, 0.95, 1e-4, k_quarter); }
 TEST(Order, HertzElasticSlidingThenSticking) {
   check("Hertz, e 1, sliding then sticking", {true, 1, both}, 1.2, 1.5e-4, k_root);
 }
 TEST(Order, HertzDampedSlidingThenSticking) {
-  check("Hertz, e 0.6, sliding then sticking", {true, 0.6, both}, 1.2, 1e-3, k_quarter);
+  check("Hertz, e 0.6, sliding then sticking", {true, 0.6, both}, 0.9, 2.5e-4, k_quarter);
 }
 
 /// Positions of two damped grains squeezed between two planes under gravity, never out of contact (MFiX DEM03).
