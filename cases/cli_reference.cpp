@@ -163,6 +163,7 @@ std::string roff(std::string_view text) {
       out += "\\-";
     else
       out += c;
+    if (c == ',') out += "\\:";  // long words may be broken there
   }
   return out;
 }

