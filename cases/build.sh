@@ -16,6 +16,8 @@ if command -v ccache >/dev/null; then
   options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 fi
 mkdir -p build
+echo "Configuring (build/configure.log)"
 cmake -S . -B build "${options[@]}" >build/configure.log 2>&1 || { cat build/configure.log >&2; exit 1; }
 if [ $# -eq 0 ]; then set -- all; fi
+echo "Building: $* ($jobs jobs; some minutes the first time)"
 cmake --build build --parallel "$jobs" --target "$@"

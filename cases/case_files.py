@@ -8,6 +8,8 @@ import os
 
 import numpy as np
 
+from frames import frames  # noqa: F401  for the scripts of the cases
+
 
 def write_stl(path, triangles):
     """triangles: array [n, 3 corners, 3] in metres. Degenerate ones are dropped."""
@@ -56,18 +58,3 @@ def replace(path, data):
     with open(path + ".part", "wb") as f:
         f.write(data)
     os.replace(path + ".part", path)
-
-
-def frames(folder):
-    """(time [s], positions [n, 3], radii [n]) of every frame of a run's particles.vtkhdf. Needs python3-h5py."""
-    import h5py
-    path = os.path.join(folder, "particles.vtkhdf")
-    if not os.path.exists(path):
-        raise SystemExit(f"{path} is missing: run the scene first, with output.particles_every > 0")
-    with h5py.File(path, "r") as f:
-        root = f["VTKHDF"]
-        for k in range(int(root["Steps"].attrs["NSteps"])):
-            n = int(root["NumberOfPoints"][k])
-            point, data = int(root["Steps/PointOffsets"][k]), int(root["Steps/PointDataOffsets/radius"][k])
-            yield (float(root["Steps/Values"][k]), root["Points"][point:point + n].astype(float),
-                   root["PointData/radius"][data:data + n].astype(float))

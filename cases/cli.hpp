@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/error.hpp"
+#include "core/io/scene_changes.hpp"
 #include "core/scene.hpp"
 
 namespace talus::cli {
@@ -18,7 +19,8 @@ namespace talus::cli {
 struct Options {
   std::string program = "talus";   ///< as it was called, for the commands that messages suggest
   std::string scene;               ///< SCENE of run, check, explain
-  std::vector<std::string> files;  ///< FILE… of info, compare, report
+  std::vector<std::string> files;  ///< FILE… of info, compare, report; FROM and TO of convert
+  std::string frame;               ///< of convert: all, last or a number
   std::string topic, key;          ///< of help
   std::vector<std::string> set;    ///< section.key=value
   std::string out;                 ///< run folder; empty: results/<scene name>
@@ -40,6 +42,7 @@ int check(const Options& options);
 int explain(const Options& options);
 int info(const Options& options);
 int compare(const Options& options);
+int convert(const Options& options);
 int report(const Options& options);
 int help(const Options& options);
 
@@ -47,7 +50,9 @@ int help(const Options& options);
 std::vector<std::string> overrides_of(const Options& options);
 /// Error{scene} where a frame of the scene's grid does not fit into memory.
 void require_room(const Scene& scene);
-/// The scene of the command line: file, then --set, --steps and --verlet-k. Errors: Error{scene}, Error{usage}.
+/// The scene of the command line: file, then --set, --steps and --verlet-k; with the values that it gives. Errors:
+/// Error{scene}, Error{usage}.
+SceneText scene_text_of(const Options& options);
 Scene scene_of(const Options& options);
 
 /// Thousands separated by blanks for people: 1234567 -> "1 234 567".

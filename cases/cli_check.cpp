@@ -14,6 +14,7 @@
 #include "cases/progress.hpp"
 #include "core/count.hpp"
 #include "core/insertion.hpp"
+#include "core/io/scene_forgotten.hpp"
 #include "core/memory.hpp"
 #include "core/source_notes.hpp"
 #include "core/text.hpp"
@@ -125,7 +126,9 @@ std::vector<std::string> notes_of_later_sources(const Scene& scene) {
 }  // namespace
 
 int check(const Options& options) {
-  const Scene scene = scene_of(options);
+  const SceneText text = scene_text_of(options);
+  const Scene& scene = text.scene;
+  const std::vector<std::string> forgotten = forgotten_keys(text);
   Simulation simulation(scene, options.run);
   const TimeStepReport& step = simulation.time_step();
   const Plan plan = simulation.plan();
@@ -176,6 +179,9 @@ int check(const Options& options) {
     for (const Warning& w : simulation.warnings()) j.add("", w.text);
     for (const std::string& note : later) j.add("", note);
     j.end_array();
+    j.begin_array("forgotten");
+    for (const std::string& note : forgotten) j.add("", note);
+    j.end_array();
     put("{}\n", j.end_object().text());
     return 0;
   }
@@ -193,6 +199,7 @@ int check(const Options& options) {
   put("  advice\n    time step  {}\n    stiffness  {}\n    verlet_k   {}\n",
       step_text(scene, advice.step, step.contact.seconds), soft_text(scene, advice.soft), k_text(scene, advice));
   put("  run time    about {}\n", time_text(advice, plan.threads));
+  for (const std::string& note : forgotten) tell("talus: note: {}\n", note);
   for (const Warning& w : simulation.warnings()) tell("talus: warning: {}\n", w.text);
   for (const std::string& note : later) tell("talus: warning: {}\n", note);
   if (!advice.cost.failure.empty()) tell("talus: warning: the run would end early: {}\n", advice.cost.failure);

@@ -5,6 +5,7 @@
 #include "core/averages.hpp"
 #include "core/io/scene_file.hpp"
 #include "core/memory.hpp"
+#include "core/region.hpp"
 
 namespace talus::cli {
 
@@ -22,11 +23,15 @@ void require_room(const Scene& scene) {
                    "fewer cells");
 }
 
-Scene scene_of(const Options& options) {
-  Scene scene = load_scene(options.scene, overrides_of(options));
-  require_room(scene);
-  return scene;
+SceneText scene_text_of(const Options& options) {
+  SceneText text = read_scene_text(read_scene_file(options.scene), options.scene, scene_directory(options.scene),
+                                   overrides_of(options));
+  load_regions(text.scene);
+  require_room(text.scene);
+  return text;
 }
+
+Scene scene_of(const Options& options) { return scene_text_of(options).scene; }
 
 std::string grouped(std::int64_t n) {
   std::string digits = fmt::format("{}", n < 0 ? -n : n);

@@ -16,6 +16,7 @@
 #include "cases/cli_console.hpp"
 #include "cases/cli_folder.hpp"
 #include "cases/cli_json.hpp"
+#include "core/io/particle_frames.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus::cli {
@@ -108,13 +109,13 @@ std::pair<ParticleId, std::string> first_difference(const Comparison& c) {
   return first;
 }
 
-/// Frame by frame, where both are run folders that hold particles.vtkhdf.
+/// Frame by frame, where both are run folders that hold particle frames.
 std::optional<Growth> growth_of(const std::string& a, const std::string& b) {
   namespace fs = std::filesystem;
   if (!fs::is_directory(a) || !fs::is_directory(b)) return {};
-  const RunFolder first = RunFolder::open(a), second = RunFolder::open(b);
-  if (!fs::exists(first.particles()) || !fs::exists(second.particles())) return {};
-  return compare_growth(first.particles(), second.particles(), stored_scene(first).domain);
+  const auto first = ParticleFrames::find(a), second = ParticleFrames::find(b);
+  if (!first || !second) return {};
+  return compare_growth(*first, *second, stored_scene(RunFolder::open(a)).domain);
 }
 
 void add_growth(Json& j, const Growth& g) {

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
-#include "core/io/vtkhdf.hpp"
+#include "core/io/particle_frames.hpp"
 
 namespace talus::cli {
 namespace {
@@ -82,7 +82,7 @@ void fit(Growth& g) {
 }  // namespace
 
 Growth compare_growth(const std::string& a, const std::string& b, const Domain& domain) {
-  const VtkHdfReader first(a), second(b);
+  const ParticleFrames first(a), second(b);
   const auto &sa = first.steps(), &sb = second.steps();
   Growth g;
   std::size_t i = 0, j = 0;

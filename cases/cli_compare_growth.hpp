@@ -31,7 +31,7 @@ struct Growth {
   bool equal() const noexcept { return first_time < 0; }
 };
 
-/// particles.vtkhdf of both runs. `domain`: for the minimum image. Error{io}.
+/// Files of particle frames of both runs. `domain`: for the minimum image. Error{io}.
 Growth compare_growth(const std::string& a, const std::string& b, const Domain& domain);
 std::string growth_text(const Growth& growth);
 

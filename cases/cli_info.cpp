@@ -7,9 +7,9 @@
 #include "cases/cli_console.hpp"
 #include "cases/cli_folder.hpp"
 #include "cases/cli_json.hpp"
+#include "core/io/particle_frames.hpp"
 #include "core/io/series.hpp"
 #include "core/io/summary.hpp"
-#include "core/io/vtkhdf.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus::cli {
@@ -53,7 +53,9 @@ void folder_info(const std::string& path, const Options& options) {
   const std::string summary = ended ? read_summary_text(folder.summary()) : "";
   if (fs::exists(folder.series()) && running.empty()) check_series(folder.series());
   for (const std::int64_t step : folder.checkpoints()) CheckpointReader checked(folder.checkpoint(step));
-  if (fs::exists(folder.particles()) && running.empty()) VtkHdfReader checked(folder.particles());
+  if (running.empty())
+    for (const char* name : {"particles.pvd", "particles.vtkhdf"})
+      if (fs::exists(folder.path(name))) ParticleFrames checked(folder.path(name));
   Json j;
   j.begin_object().add("folder", path).add("title", scene.title).add("has_summary", ended);
   if (!options.json) {

@@ -40,6 +40,13 @@ auto continued(const RunFolder& folder, const std::string& file, std::int64_t re
   return open(false);
 }
 
+/// Frames of the interrupted run in a format that this one does not write end here.
+void tell_left(const std::string& file, const char* key, std::int64_t resume_step) {
+  std::error_code ignored;
+  if (resume_step >= 0 && std::filesystem::exists(file, ignored))
+    tell("talus: warning: {} is not continued: {} is false\n", file, key);
+}
+
 /// One kind of picture (particles, walls, contacts) in the formats that the scene asks for.
 class FrameStream {
  public:
@@ -56,13 +63,17 @@ class FrameStream {
                       : VtkHdfWriter(file, columns, content);
       });
       files_.push_back(file);
+    } else {
+      tell_left(file, "output.vtkhdf", resume_step);
     }
+    const std::string list = folder.path(std::string(stem) + ".pvd");
     if (scene.output.vtp) {
-      const std::string list = folder.path(std::string(stem) + ".pvd");
       pvd_ = continued(folder, list, resume_step, [&](bool resume) {
         return resume ? PvdCollection::resume(folder.dir(), stem, resume_step) : PvdCollection(folder.dir(), stem);
       });
       files_.push_back(list);
+    } else {
+      tell_left(list, "output.vtp", resume_step);
     }
   }
   void write(const Frame& frame) {
@@ -92,6 +103,7 @@ struct RunOutputs::Impl {
   RunFolder folder;
   const Scene scene;
   Repeat frames, rows, checkpoints;
+  WallInterval by_clock;  ///< checkpoints besides those by steps
   bool moving_walls;
   std::optional<FrameStream> particles, walls, contacts;
   std::optional<PvdCollection> grid;
@@ -108,6 +120,7 @@ struct RunOutputs::Impl {
         frames(s.output.particles_every, s.dt),
         rows(s.output.csv_every, s.dt),
         checkpoints(static_cast<double>(every), 1),
+        by_clock(s.output.checkpoint_wall),
         moving_walls(walls_change(s)),
         record(std::move(scene_record)) {}
 
@@ -226,7 +239,7 @@ void RunOutputs::write(const Simulation& simulation) {
     m.series->append(m.row_of(simulation, frame));
   }
   if (m.frames.due(step)) m.write_frame(simulation);
-  if (m.checkpoints.due(step) && step > m.start) checkpoint(simulation);
+  if ((m.checkpoints.due(step) || m.by_clock.due()) && step > m.start) checkpoint(simulation);
 }
 
 void RunOutputs::check() const {
@@ -246,10 +259,12 @@ std::string RunOutputs::checkpoint(const Simulation& simulation) {
   const std::int64_t step = simulation.step();
   std::error_code ignored;
   if (step != m.checkpoint_step || !std::filesystem::exists(m.folder.checkpoint(step), ignored)) {
+    m.by_clock.begin();
     CheckpointWriter writer;
     m.fill(simulation, writer);
     m.folder.save_checkpoint(writer, step);
     m.checkpoint_step = step;
+    m.by_clock.done();
   }
   return m.folder.checkpoint(step);
 }

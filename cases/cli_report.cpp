@@ -1,5 +1,5 @@
 // `talus report DIR`: hands the run folder to perf/report.py, which writes one self-contained HTML page. The script is
-// found beside the sources, or in $TALUS_SHARE/perf for an installed copy.
+// found by cli_parts.
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -10,11 +10,11 @@
 #include <filesystem>
 
 #include "cases/cli.hpp"
+#include "cases/cli_parts.hpp"
+#include "core/io/particle_frames.hpp"
 #include "core/io/run_folder.hpp"
 #include "core/io/series.hpp"
 #include "core/io/summary.hpp"
-#include "core/io/vtkhdf.hpp"
-#include "paths.hpp"
 
 extern char** environ;
 
@@ -23,6 +23,19 @@ namespace fs = std::filesystem;
 namespace {
 // Debian's own interpreter: the one for which install.sh provides numpy, h5py and matplotlib.
 constexpr const char* k_python = "/usr/bin/python3";
+
+/// The page names what it cannot show; what a run left damaged is an error, since its figures would be missing unseen.
+/// While a run writes, and after a kill, a last row or frame may be incomplete: the page leaves it out.
+void check_folder(const std::string& folder) {
+  if (!fs::exists(fs::path(folder) / "scene.toml") || !FolderLock::holder(folder).empty()) return;
+  const RunFolder run = RunFolder::open(folder);
+  for (const std::int64_t step : run.checkpoints()) CheckpointReader checked(run.checkpoint(step));
+  if (!fs::exists(run.summary())) return;
+  read_summary_text(run.summary());
+  if (fs::exists(run.series())) check_series(run.series());
+  for (const char* name : {"particles.pvd", "particles.vtkhdf"})
+    if (fs::exists(run.path(name))) ParticleFrames checked(run.path(name));
+}
 }  // namespace
 
 int report(const Options& options) {
@@ -30,21 +43,10 @@ int report(const Options& options) {
   if (!fs::is_directory(folder)) {
     throw Error(ErrorCode::io, "is not a folder", folder, "give the folder of a run, e.g. results/hopper-20k");
   }
-  if (!fs::exists(fs::path(folder) / "summary.json")) {
-    throw Error(ErrorCode::io, "holds no summary.json, so it is not the folder of a finished run", folder);
-  }
-  // The page names what it cannot show; what a run left damaged is an error, since its figures would be missing unseen.
-  const RunFolder run = RunFolder::open(folder);
-  read_summary_text(run.summary());
-  if (fs::exists(run.series())) check_series(run.series());
-  for (const std::int64_t step : run.checkpoints()) CheckpointReader checked(run.checkpoint(step));
-  if (fs::exists(run.particles())) VtkHdfReader checked(run.particles());
-  const char* share = std::getenv("TALUS_SHARE");
-  const std::string script = (fs::path(share != nullptr ? share : TALUS_SOURCE_DIR) / "perf" / "report.py").string();
-  if (!fs::exists(script)) {
-    throw Error(ErrorCode::io, "report script not found", script,
-                "set TALUS_SHARE to the folder that holds perf/report.py");
-  }
+  if (!fs::exists(fs::path(folder) / "summary.json") && !fs::exists(fs::path(folder) / "scene.toml"))
+    throw Error(ErrorCode::io, "holds neither summary.json nor scene.toml, so it is not the folder of a run", folder);
+  check_folder(folder);
+  const std::string script = part("perf/report.py");
   std::vector<std::string> words{k_python, script, folder};
   if (!options.out.empty()) words.insert(words.end(), {"--out", options.out});
   std::vector<char*> argv;

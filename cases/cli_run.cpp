@@ -17,6 +17,7 @@
 #include "cases/cli_summary.hpp"
 #include "cases/cli_timestep.hpp"
 #include "cases/progress.hpp"
+#include "core/io/scene_forgotten.hpp"
 #include "core/text.hpp"
 #include "scheduler/simulation.hpp"
 
@@ -157,7 +158,7 @@ void print_closing(const Options& options, const std::string& folder, const Summ
     line("particles", outputs.paraview_file());
     const bool hdf = outputs.paraview_file().ends_with(".vtkhdf");
     put("Look at them:   paraview {}{}\n", outputs.paraview_file(),
-        hdf ? "    (ParaView 5.12 or newer; --set output.vtp=true for older ones)" : "");
+        hdf ? "    (ParaView 5.12 or newer; output.vtp = true for older ones)" : "");
   }
   put("Report:         {} report {}    (one HTML page with plots and pictures)\n", options.program, folder);
   if (outcome.signal != 0) put("Continue:       {} run {} --resume {}\n", options.program, options.scene, folder);
@@ -214,6 +215,8 @@ int run(const Options& options) {
                 start.checkpoint->path(), "ask for more with --steps N");
   }
   const std::int64_t first = simulation->step();
+  if (!options.quiet && !start.checkpoint)
+    for (const std::string& note : forgotten_keys(start.scene)) tell("talus: note: {}\n", note);
 
   // From here on the scene is known to be good: only now may something appear on disk.
   const RunFolder folder = open_folder(options, start);

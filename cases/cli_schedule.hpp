@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 
 namespace talus::cli {
@@ -23,6 +24,33 @@ class Repeat {
   // A quotient that under- or overflows is still an output that was asked for.
   static constexpr double k_densest = 1e-300, k_rarest = 1e300;
   double ratio_;  ///< steps between two outputs, not an integer in general
+};
+
+/// Something that is done again after so many seconds of wall time. Its cost stays below 2 % of the time.
+class WallInterval {
+ public:
+  using Clock = std::chrono::steady_clock;
+  /// seconds <= 0: never due.
+  explicit WallInterval(double seconds) : seconds_(seconds), last_(Clock::now()) {}
+  bool due() const noexcept { return due(Clock::now()); }
+  bool due(Clock::time_point now) const noexcept {
+    constexpr double k_share = 50;
+    return seconds_ > 0 && seconds_between(last_, now) >= std::max(seconds_, k_share * cost_);
+  }
+  void begin() noexcept { begin(Clock::now()); }
+  void begin(Clock::time_point now) noexcept { last_ = now; }
+  void done() noexcept { done(Clock::now()); }
+  void done(Clock::time_point now) noexcept {
+    cost_ = seconds_between(last_, now);
+    last_ = now;
+  }
+
+ private:
+  static double seconds_between(Clock::time_point a, Clock::time_point b) noexcept {
+    return std::chrono::duration<double>(b - a).count();
+  }
+  double seconds_, cost_ = 0;  ///< [s]; cost: of the last time
+  Clock::time_point last_;
 };
 
 /// Chooses how many steps run before the program looks up again; never influences a result.

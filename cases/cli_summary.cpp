@@ -1,6 +1,8 @@
 // Summary of a run; see cli_summary.hpp.
 #include "cases/cli_summary.hpp"
 
+#include "version.hpp"
+
 namespace talus::cli {
 
 Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
@@ -10,7 +12,7 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   Summary s;
   s.title = scene.title;
   s.scene_file = scene.file;
-  s.version = TALUS_VERSION;
+  s.version = TALUS_FULL_VERSION;
   if (facts.signal != 0) s.status = "interrupted";
   if (!facts.failure.empty()) s.status = "failed: " + facts.failure;
   s.particles = simulation.particles();

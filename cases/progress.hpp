@@ -1,5 +1,6 @@
-// Progress of a run on a terminal (one line that is rewritten) or in a log (one line per 10 %). Called by cli_run.cpp.
-// Invariant: writes to the given stream only, at most ten times a second on a terminal, never after finish().
+// Progress of a run on a terminal (one line that is rewritten) or in a log (one line per 10 %, and one per 10 minutes).
+// Called by cli_run.cpp. Invariants: writes to the given stream only, at most ten times a second on a terminal, never
+// after finish(); a line on a terminal is shorter than the terminal is wide, since one that wraps cannot be rewritten.
 #pragma once
 
 #include <chrono>
@@ -29,10 +30,27 @@ class Pace {
   Point mark_, next_, now_;  ///< older end of the window; becomes it next; newest
 };
 
+/// What a progress line can tell.
+struct ProgressFacts {
+  double share = 0;  ///< done, 0 to 1
+  std::int64_t step = 0, last = 0;
+  double time = 0;  ///< simulated [s]
+  std::int64_t particles = 0;
+  double work_per_s = 0;  ///< particle-steps per second
+  double eta = -1;        ///< [s]; -1 where nothing is known yet
+};
+
+/// All of it, for a log.
+std::string log_line(const ProgressFacts& facts);
+/// As much of it as is shorter than `columns`: share and end first, then rate, bar, step, time, particles.
+std::string terminal_line(const ProgressFacts& facts, int columns);
+/// Width of the terminal behind a descriptor: its own answer, else $COLUMNS, else 80.
+int terminal_columns(int descriptor);
+
 class Progress {
  public:
   enum class Style { off, bar, lines };
-  /// bar where `stream` is a terminal, lines otherwise.
+  /// bar where `stream` is a terminal that can rewrite a line, lines otherwise.
   static Style style_for(std::FILE* stream, bool quiet);
 
   Progress(std::FILE* stream, Style style, std::int64_t first_step, std::int64_t last_step);
@@ -58,7 +76,7 @@ class Progress {
   std::int64_t first_, last_, step_;
   Clock::time_point start_;
   double particle_steps_ = 0;
-  double drawn_ = -1;  ///< time of the last drawing [s]
+  double drawn_ = -1;  ///< time of the last drawing or line [s]
   int tenths_ = 0;     ///< 10 % marks already printed
   Pace pace_;
   bool line_open_ = false;

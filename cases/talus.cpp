@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -11,7 +12,11 @@
 #include "cases/cli.hpp"
 #include "cases/cli_console.hpp"
 #include "cases/cli_signal.hpp"
+#include "cases/cli_reference.hpp"
+#include "cases/cli_usage.hpp"
+#include "core/suggest.hpp"
 #include "core/text.hpp"
+#include "version.hpp"
 
 namespace {
 using namespace talus;
@@ -39,7 +44,7 @@ void add_engine_options(CLI::App& app, Options& o) {
          "--isa", [&o](const std::string& name) { o.run.isa = k_isa_names.at(CLI::detail::to_lower(name)); },
          "instruction set (default auto: $TALUS_ISA, or the best of this processor)")
       ->check(CLI::IsMember(std::vector<std::string>{"auto", "scalar", "sse2", "avx2", "avx512"}, CLI::ignore_case))
-      ->type_name("");
+      ->type_name("NAME");
   app.add_option("--chunk", o.run.chunk, "particles per chunk; 0 = chosen (default)")->check(CLI::Range(0, 1 << 24));
 }
 
@@ -47,7 +52,8 @@ void add_run_options(CLI::App& app, Options& o) {
   app.add_option("--out", o.out, "folder of the results (default results/SCENE-NAME)")->type_name("DIR");
   app.add_option("--resume", o.resume, "continue from a checkpoint, or from the newest one of a run folder")
       ->type_name("FILE|DIR");
-  app.add_option("--checkpoint-every", o.checkpoint_every, "steps between checkpoints; 0 = only at a signal")
+  app.add_option("--checkpoint-every", o.checkpoint_every,
+                 "steps between checkpoints, besides those of output.checkpoint_wall; 0 = none")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--warm", o.warm, "first steps that the reported time and rate leave out (benchmarks)")
       ->check(CLI::NonNegativeNumber);
@@ -64,17 +70,50 @@ void add_run_options(CLI::App& app, Options& o) {
   app.add_flag("--overwrite", o.overwrite, "replace the results of an earlier run in the same folder");
 }
 
-/// `talus help` and `talus help COMMAND`; false for everything else. Error{usage}.
+/// What the parser knows, as plain data.
+cli::CommandText text_of(const CLI::App& app) {
+  cli::CommandText command{app.get_name(), app.get_description(), {}};
+  for (const CLI::Option* o : app.get_options()) {
+    cli::OptionText option;
+    for (const std::string& n : o->get_snames()) option.names.push_back("-" + n);
+    for (const std::string& n : o->get_lnames()) option.names.push_back("--" + n);
+    if (option.names.empty()) option.positional = o->get_name();
+    option.takes_value = o->get_expected_max() > 0 && option.positional.empty();
+    option.type = o->get_type_name().substr(0, o->get_type_name().find(':'));
+    option.about = o->get_description();
+    command.options.push_back(std::move(option));
+  }
+  return command;
+}
+
+cli::ProgramText texts_of(const CLI::App& app) {
+  cli::ProgramText program{text_of(app), {}};
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    program.commands.push_back(text_of(*command));
+  return program;
+}
+
+/// `talus help` and `talus help TOPIC`; false for everything else. Error{usage}.
 bool help_on_commands(const CLI::App& app, const Options& o) {
   if (!app.got_subcommand("help") || o.topic == "scene") return false;
   if (o.topic.empty()) {
     cli::put_text(app.help());
     return true;
   }
+  const cli::ProgramText program = texts_of(app);
+  if (const auto text = cli::help_text(program, o.topic)) {
+    cli::put_text(*text);
+    return true;
+  }
   const auto found = app.get_subcommands([&](const CLI::App* c) { return c->get_name() == o.topic; });
-  if (found.empty())
+  if (found.empty()) {
+    std::vector<std::string> topics = program.command_names();
+    topics.insert(topics.end(), cli::help_topics().begin(), cli::help_topics().end());
+    std::string list;
+    for (const std::string& t : topics) list += (list.empty() ? "" : ", ") + t;
     throw Error(ErrorCode::usage,
-                fmt::format("no help on '{}' (scene, or one of run, check, explain, info, compare, report)", o.topic));
+                fmt::format("no help on '{}'{}; there is {}", o.topic, did_you_mean(o.topic, topics), list));
+  }
   cli::put_text(found.front()->help());
   return true;
 }
@@ -121,10 +160,11 @@ int main(int argc, char** argv) {
   Options o;
   if (argc > 0) o.program = argv[0];
   CLI::App app{"Talus: discrete element method with a local Verlet buffer; the trajectory depends on the scene alone."};
-  app.set_version_flag("--version", std::string("talus ") + TALUS_VERSION);
+  app.set_version_flag("--version", std::string("talus ") + TALUS_FULL_VERSION);
   app.require_subcommand(1);
-  app.failure_message([](const CLI::App*, const CLI::Error& e) {
-    return shown(e.what(), 900) + "\nRun with --help for more information.\n";
+  app.failure_message([&](const CLI::App*, const CLI::Error& e) {
+    const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+    return fmt::format("talus: error: {}\n", cli::usage_fault(texts_of(app), arguments, e.what()));
   });
   std::function<int(const Options&)> command;
   const auto add = [&](const char* name, const char* about, int (*function)(const Options&)) {
@@ -160,13 +200,26 @@ int main(int argc, char** argv) {
   sub->add_option("files", o.files, "two checkpoints or run folders")->required()->expected(2);
   sub->add_flag("--json", o.json, "machine-readable");
 
+  sub = add("convert", "particles of a run, frame file or checkpoint as CSV, LAMMPS dump, extended XYZ, VTP or VTKHDF",
+            cli::convert);
+  sub->add_option("files", o.files,
+                  "FROM: run folder, .pvd, .vtp, .vtkhdf, .tcp, .csv; TO: a name that ends with .csv, "
+                  ".dump, .lammpstrj, .xyz, .extxyz, .vtp, .pvd or .vtkhdf")
+      ->required()
+      ->expected(2);
+  sub->add_option("--frame", o.frame, "all, last, or a number from 0 (default: all; last for .csv and .vtp)");
+  sub->add_flag("--overwrite", o.overwrite, "replace TO");
+  sub->add_flag("--quiet", o.quiet, "print nothing");
+
   sub = add("report", "write one self-contained HTML page about a run", cli::report);
   sub->add_option("folder", o.files, "run folder")->required()->expected(1);
   sub->add_option("--out", o.out, "HTML file (default FOLDER/report.html)")->type_name("FILE");
   sub->add_flag("--quiet", o.quiet, "print nothing");
 
-  sub = add("help", "help on scene keys: talus help scene [KEY]", cli::help);
-  sub->add_option("topic", o.topic, "scene, or a command");
+  sub = add("help", "help on a command, on keys (talus help scene [KEY]), on files and columns (talus help output)",
+            cli::help);
+  sub->add_option("topic", o.topic,
+                  "a command, scene, output, exit; reference (Markdown), man, bash, zsh: the same for other readers");
   sub->add_option("key", o.key, "a scene key such as contact.friction, or a section");
 
   try {

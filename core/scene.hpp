@@ -241,8 +241,9 @@ struct RelaxSettings {
 
 struct OutputSettings {
   double particles_every = 0;  ///< [s] of simulated time; 0 = off
-  bool vtkhdf = true, vtp = false;
-  double csv_every = 0;  ///< [s]; 0 = off
+  bool vtkhdf = false, vtp = true;
+  double csv_every = 0;          ///< [s]; 0 = off
+  double checkpoint_wall = 300;  ///< wall time between checkpoints [s]; 0 = only at the end
   bool energies = false;
   bool contacts = false;  ///< contact file per frame
   bool coordination = false, stress = false;

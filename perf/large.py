@@ -21,7 +21,7 @@ def run(args, tiles, steps):
     command = ["taskset", "-c", str(args.core), args.talus, "run", os.path.join(HERE, "scenes", "settle10m.toml"), "--threads", "1",
                "--warm", str(args.warm), "--steps", str(args.warm + steps), "--quiet", "--json", "--overwrite", "--out",
                os.path.join(args.out, "run"), "--set", f"source.0.tile=[{tiles}, {tiles}, 1]", "--set",
-               f"domain.upper=[{40 * tiles}, {20 * tiles}, 45]", "--set", "output.vtkhdf=false"]
+               f"domain.upper=[{40 * tiles}, {20 * tiles}, 45]", "--set", "output.particles_every=0"]
     start = time.monotonic()
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
     wall = time.monotonic() - start

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """One self-contained HTML page about a run: python3 report.py DIR [--out FILE] (default DIR/report.html).
 
-Called by `talus report DIR`. Reads what a run leaves (summary.json, scene.toml, series.csv, particles.vtkhdf,
-walls.vtkhdf); whatever is missing or unreadable is named on the page and left out. No external resources, no dates:
-the same folder gives the same page.
+Called by `talus report DIR`. Reads what a run leaves (summary.json, scene.toml, series.csv, frames of particles and
+walls); whatever is missing or unreadable is named on the page and left out, so that it also shows a run that goes on or
+was killed. No external resources, no dates: the same folder gives the same page.
 """
 import argparse
 import base64
@@ -19,17 +19,17 @@ import sys
 import numpy as np
 
 try:
-    import h5py
     import matplotlib
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    from matplotlib.collections import LineCollection, PolyCollection
 except ImportError as error:
-    sys.exit(f"error: the report needs {error.name} (apt-get install python3-matplotlib python3-h5py)")
+    sys.exit(f"error: the report needs {error.name} (apt-get install python3-matplotlib)")
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from particle_picture import Camera, outlines, picture  # noqa: E402
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [HERE, os.path.join(os.path.dirname(HERE), "cases")]
+from draw import COLOUR_NAMES, COLOURS, MATERIALS, draw, view_of, walls_at, wall_frames  # noqa: E402
+from frames import open_frames  # noqa: E402
 
 INK, MUTED, LINE, ACCENT = "#1c2430", "#5d6b7c", "#d9dfe7", "#1f6f8b"
 PALETTE = ["#1f6f8b", "#d1792a", "#5a8f3d", "#a8436b", "#6a5aa8", "#8a6d3b", "#3c9d9b", "#7b8794"]
@@ -54,8 +54,8 @@ class Run:
         self.summary = self._part("summary.json", lambda p: json.load(open(p, encoding="utf-8"))) or {}
         self.scene = self._part("scene.toml", lambda p: open(p, encoding="utf-8", errors="replace").read())
         self.series = self._part("series.csv", read_series)
-        self.frames = self._part("particles.vtkhdf", read_frames)
-        self.walls = self._part("walls.vtkhdf", read_walls, wanted=False)
+        self.frames = self._frames("particles", read_frames)
+        self.walls = self._frames("walls", wall_frames, wanted=False)
 
     def _part(self, name, reader, wanted=True):
         path = os.path.join(self.folder, name)
@@ -70,6 +70,19 @@ class Run:
             return None
 
 
+    def _frames(self, stem, reader, wanted=True):
+        try:
+            source = open_frames(self.folder, stem)
+            if source is None:
+                if wanted:
+                    self.notes.append(f"there are no {stem} over time")
+                return None
+            return reader(source)
+        except Exception as error:
+            self.notes.append(f"{stem} over time cannot be read: {error}")
+            return None
+
+
 def read_series(path):
     with open(path, newline="", encoding="utf-8") as f:
         rows = list(csv.reader(f))
@@ -80,55 +93,19 @@ def read_series(path):
     return {name: values[:, k] for k, name in enumerate(header)}
 
 
-def part_of(root, step, name, offsets, count):
-    start = int(root["Steps"][offsets][step])
-    return root[name][start : start + count]
-
-
-def read_frames(path):
+def read_frames(source):
     """First, middle and last frame with particles."""
-    with h5py.File(path, "r") as f:
-        root = f["VTKHDF"]
-        steps = int(root["Steps"].attrs["NSteps"])
-        counts = root["NumberOfPoints"][:steps]
-        filled = np.flatnonzero(counts)
-        if len(filled) == 0:
-            raise ValueError("no frame has particles")
-        chosen = sorted({int(filled[0]), int(filled[len(filled) // 2]), int(filled[-1])})
-        frames = []
-        for k in chosen:
-            n = int(counts[k])
-            column = lambda name: part_of(root, k, "PointData/" + name, "PointDataOffsets/" + name, n)  # noqa: E731
-            frames.append({
-                "index": k, "of": steps, "time": float(root["Steps/Values"][k]), "step": int(f["talus/step"][k]),
-                "x": part_of(root, k, "Points", "PointOffsets", n), "r": column("radius"),
-                "speed": np.linalg.norm(column("velocity"), axis=1),
-            })
-        return frames
-
-
-def read_walls(path):
-    """All frames' times and a function that reads points and triangles of one."""
-    with h5py.File(path, "r") as f:
-        root = f["VTKHDF"]
-        steps = int(root["Steps"].attrs["NSteps"])
-        frames = []
-        for k in range(steps):
-            frames.append({"time": float(root["Steps/Values"][k])})
-        if not frames:
-            raise ValueError("it has no frames")
-        # Only those that may be drawn are read, later, by the nearest time.
-        return {"path": path, "times": np.array([w["time"] for w in frames])}
-
-
-def walls_at(walls, time):
-    k = int(np.argmin(np.abs(walls["times"] - time)))
-    with h5py.File(walls["path"], "r") as f:
-        root = f["VTKHDF"]
-        points = part_of(root, k, "Points", "PointOffsets", int(root["NumberOfPoints"][k]))
-        n = int(root["Polygons/NumberOfConnectivityIds"][k])
-        start = int(root["Steps/ConnectivityIdOffsets"][k, 2])
-        return points, root["Polygons/Connectivity"][start : start + n].reshape(-1, 3)
+    filled = [k for k in range(len(source)) if source.count(k) > 0]
+    if not filled:
+        raise ValueError("no frame has particles")
+    frames = []
+    for k in sorted({filled[0], filled[len(filled) // 2], filled[-1]}):
+        points, columns, _ = source.read(k)
+        frames.append({
+            "index": k, "of": len(source), "time": float(source.times[k]), "step": source.step(k), "x": points,
+            "r": columns["radius"], "speed": np.linalg.norm(columns["velocity"], axis=1), "columns": columns,
+        })
+    return frames
 
 
 # ---- figures --------------------------------------------------------------------------------------------------------
@@ -296,67 +273,55 @@ def node_figure(summary):
     return svg(figure)
 
 
-def view_of(frames, walls):
-    """Camera and view frame that hold all particles and nearby walls of all pictures."""
-    lower = np.min([np.min(f["x"] - f["r"][:, None], axis=0) for f in frames], axis=0)
-    upper = np.max([np.max(f["x"] + f["r"][:, None], axis=0) for f in frames], axis=0)
-    camera = Camera.for_bounds(lower, upper)
-    flat = [camera.project(f["x"])[:, :2] for f in frames]
-    low = np.min([np.min(p - f["r"][:, None], axis=0) for p, f in zip(flat, frames)], axis=0)
-    high = np.max([np.max(p + f["r"][:, None], axis=0) for p, f in zip(flat, frames)], axis=0)
-    reach = 0.12 * np.max(high - low)  # walls that go on (a floor of the whole domain) are cut off
-    (left, bottom), (right, top) = low, high
-    for points, _ in walls:
-        if len(points):
-            p = camera.project(points)[:, :2]
-            left, bottom = np.minimum((left, bottom), np.maximum(p.min(axis=0), low - reach))
-            right, top = np.maximum((right, top), np.minimum(p.max(axis=0), high + reach))
-    margin = 0.02 * max(right - left, top - bottom)
-    return camera, (left - margin, right + margin, bottom - margin, top + margin)
+def colour_bar(norm, label, extend):
+    figure, axes = plt.subplots(figsize=(4.2, 0.16))
+    bar = figure.colorbar(matplotlib.cm.ScalarMappable(norm, COLOURS), cax=axes, orientation="horizontal", extend=extend)
+    bar.set_label(label)
+    bar.outline.set_visible(False)
+    return svg(figure)
+
+
+def material_names(scene):
+    """Names in the order of the [[material]] sections, as far as they can be told."""
+    names = []
+    for block in re.split(r"^\s*\[\[material\]\]", scene or "", flags=re.M)[1:]:
+        m = re.search(r"^\s*name\s*=\s*[\"']([^\"'\n]*)", re.split(r"^\s*\[", block, flags=re.M)[0], flags=re.M)
+        names.append(m.group(1) if m else "")
+    return names
 
 
 def particle_figures(run):
+    """Rows of (pictures, colour scale): three times by speed; the last frame by size and material where they differ."""
     frames = run.frames
-    walls = [walls_at(run.walls, f["time"]) if run.walls else (np.zeros((0, 3)), np.zeros((0, 3), int)) for f in frames]
+    walls = [walls_at(run.walls, f["time"]) for f in frames]
     camera, view = view_of(frames, walls)
-    top_speed = max(np.percentile(f["speed"], 99.5) for f in frames)
-    largest = max(f["r"].max() for f in frames)
-    smallest = min(f["r"].min() for f in frames)
-    by_size = top_speed <= 0 and largest > smallest
-    colour_map = matplotlib.colors.LinearSegmentedColormap.from_list(
-        "talus", ["#4a6fa5", "#58a0b8", "#9cc9a3", "#f0d77b", "#ee9b4a", "#cf4e35"])
-    norm = plt.Normalize(2 * smallest, 2 * largest) if by_size else plt.Normalize(0, top_speed if top_speed > 0 else 1)
-    label = "diameter [m]" if by_size else "speed [m/s]"
     aspect = (view[3] - view[2]) / (view[1] - view[0])
     width = int(np.clip(np.sqrt(900_000 / aspect), 420, 1200))
     names = {1: ["Only frame"], 2: ["First frame", "Last frame"], 3: ["First frame", "Middle frame", "Last frame"]}
-    out = []
-    for f, (points, triangles), name in zip(frames, walls, names[len(frames)]):
-        figure = plt.figure(figsize=(width / 100, width * aspect / 100))
-        axes = figure.add_axes([0, 0, 1, 1])
-        axes.set_axis_off()
-        if len(triangles):
-            corners = camera.project(points)[:, :2][triangles]
-            axes.add_collection(PolyCollection(corners, facecolors="#7d8fa5", alpha=max(0.012, 0.05 / (1 + len(triangles) / 200)),
-                                               edgecolors="none", antialiased=False))
-        values = 2 * f["r"] if by_size else f["speed"]
-        image = picture(f["x"], f["r"], values, camera, view, width, lambda v: colour_map(norm(v)))
-        axes.imshow(image, extent=view, interpolation="antialiased", zorder=2)
-        if len(triangles):
-            axes.add_collection(LineCollection(outlines(points, triangles, camera), colors="#33475e", alpha=0.55,
-                                               linewidths=0.9, zorder=3))
-        axes.set_xlim(view[0], view[1])
-        axes.set_ylim(view[2], view[3])
-        axes.set_aspect("equal")
+    top_speed = max(np.percentile(f["speed"], 99.5) for f in frames)
+    norm = plt.Normalize(0, top_speed if top_speed > 0 else 1)
+    row = []
+    for f, wall, name in zip(frames, walls, names[len(frames)]):
         caption = (f"{name}: t = {f['time']:.4g} s, step {grouped(f['step'])}, "
                    f"{grouped(len(f['r']))} particles")
-        out.append((png(figure, 100), caption))
-    figure, axes = plt.subplots(figsize=(4.2, 0.16))
-    bar = figure.colorbar(matplotlib.cm.ScalarMappable(norm, colour_map), cax=axes, orientation="horizontal",
-                          extend="neither" if by_size else "max")
-    bar.set_label(label)
-    bar.outline.set_visible(False)
-    return out, svg(figure)
+        row.append((png(draw(f, wall, camera, view, width, COLOURS(norm(f["speed"]))), 100), caption))
+    rows = [(row, colour_bar(norm, "speed [m/s]", "max"))]
+    last, more = frames[-1], []
+    smallest, largest = 2 * last["r"].min(), 2 * last["r"].max()
+    if largest > 1.001 * smallest:
+        sizes = plt.Normalize(smallest, largest)
+        rows.append(([(png(draw(last, walls[-1], camera, view, width, COLOURS(sizes(2 * last["r"]))), 100), "Last frame by size")],
+                     colour_bar(sizes, "diameter [m]", "neither")))
+    material = last["columns"].get("material")
+    if material is not None and len(np.unique(material)) > 1:
+        given = material_names(run.scene)
+        legend = ", ".join(f"{COLOUR_NAMES[m % len(COLOUR_NAMES)]}: {given[m] if m < len(given) and given[m] else m}"
+                           for m in np.unique(material).tolist())
+        more.append((png(draw(last, walls[-1], camera, view, width, MATERIALS[material.astype(int) % len(MATERIALS)]), 100),
+                     f"Last frame by material ({legend})"))
+    if more:
+        rows.append((more, ""))
+    return rows
 
 
 # ---- page -----------------------------------------------------------------------------------------------------------
@@ -383,6 +348,9 @@ figcaption {{ color: {MUTED}; font-size: 13px; margin-top: 6px; text-align: cent
 .bar {{ margin: 18px auto 0; max-width: 420px; }}
 .note {{ background: #fdf6e7; border-left: 3px solid #d9a441; padding: 8px 14px; margin: 0 0 18px; font-size: 14px; }}
 .bad {{ background: #fcebea; border-color: #c0392b; }}
+.warnings ul {{ margin: 4px 0 0; padding-left: 20px; }}
+.often {{ color: {MUTED}; }}
+details {{ margin: 22px 0 0; }}
 table {{ border-collapse: collapse; font-size: 14px; }}
 td, th {{ text-align: left; padding: 5px 22px 5px 0; border-bottom: 1px solid {LINE}; vertical-align: top; }}
 td.number {{ text-align: right; font-variant-numeric: tabular-nums; }}
@@ -409,6 +377,39 @@ def size_text(n):
             return f"{n:.0f} {unit}" if unit == "B" else f"{n:.1f} {unit}"
         n /= 1024
     return ""
+
+
+def warnings_of(s):
+    """What the run-time monitor has seen, worst first of all on the page."""
+    rows = []
+    for w in s.get("warnings") or []:
+        often = f"in {grouped(w['count'])} steps from step {grouped(w.get('first_step') or 0)} on" if w.get("count") else ""
+        rows.append(f"<li>{html.escape(str(w.get('text') or w.get('kind') or ''))}"
+                    + (f" <span class=often>({often})</span>" if often else "") + "</li>")
+    return f"<div class='note warnings'><b>Warnings of the run</b><ul>{''.join(rows)}</ul></div>" if rows else ""
+
+
+def mesh_table(s):
+    rows = []
+    for m in s.get("meshes") or []:
+        facets = (m.get("facets_read") or 0) - (m.get("degenerate") or 0) - (m.get("duplicate") or 0)
+        faults = [f"{grouped(m[key])} {text}" for key, text in [("open_edges", "open edges"), ("flipped", "flipped"),
+                  ("degenerate", "without area, dropped"), ("duplicate", "twice, dropped"),
+                  ("forked_edges", "edges of three or more facets")] if m.get(key)]
+        rows.append(f"<tr><td>{html.escape(str(m.get('wall', '')))}</td><td>{html.escape(str(m.get('file', '')))}</td>"
+                    f"<td class=number>{grouped(m.get('facets', facets))}</td>"
+                    f"<td>{'watertight' if m.get('watertight') else 'open'}</td>"
+                    f"<td>{html.escape('; '.join(faults) or 'no faults')}</td></tr>")
+    head = "<tr><th>wall</th><th>file</th><th>facets</th><th>surface</th><th>found</th></tr>"
+    return "<table>" + head + "".join(rows) + "</table>" if rows else ""
+
+
+def state_of(run):
+    """How the run stands where it has left no summary."""
+    if run.summary or not run.scene:
+        return ""
+    until = f" until t = {run.series['time'][-1]:.5g} s" if run.series else ""
+    return f"<p class='note bad'>No summary: this run goes on, or was killed. What it has written{until} is shown.</p>"
 
 
 def cards(s):
@@ -450,7 +451,8 @@ def cards(s):
 PURPOSE = {
     "particles.vtkhdf": "particles over time; open in ParaView 5.12 or newer", "walls.vtkhdf": "walls over time, the same",
     "contacts.vtkhdf": "contacts over time, the same", "particles.pvd": "particles over time for any ParaView",
-    "walls.pvd": "walls over time for any ParaView", "series.csv": "scalars over time", "summary.json": "figures of the run",
+    "walls.pvd": "walls over time for any ParaView", "contacts.pvd": "contacts over time for any ParaView",
+    "grid.pvd": "averages on a grid over time for any ParaView", "series.csv": "scalars over time", "summary.json": "figures of the run",
     "scene.toml": "copy of the scene",
 }
 
@@ -474,20 +476,24 @@ def page(run):
     body.append(f"<p class=lead>{html.escape(' · '.join(x for x in lead if x))}</p>")
     if str(s.get("status", "finished")) not in ("finished", ""):
         body.append(f"<p class='note bad'>This run did not finish: {html.escape(s['status'])}</p>")
-    pictures, bar = [], ""
+    rows = []
     if run.frames:
         try:
-            pictures, bar = particle_figures(run)
+            rows = particle_figures(run)
         except (OSError, KeyError, ValueError) as error:
             run.notes.append(f"the frames cannot be drawn: {error}")
+    body.append(state_of(run))
+    body.append(warnings_of(s))
     if run.notes:
         body.append(f"<p class=note>{html.escape('; '.join(run.notes))}.</p>")
     body.append(cards(s))
-    if pictures:
-        body.append(f"<h2>Particles</h2><div class=pictures style='grid-template-columns: repeat({len(pictures)}, 1fr)'>")
+    if rows:
+        body.append("<h2>Particles</h2>")
+    for pictures, bar in rows:
+        body.append(f"<div class=pictures style='grid-template-columns: repeat({max(len(pictures), 1)}, 1fr)'>")
         body += [f"<figure><img alt='{html.escape(c)}' src='{uri}'><figcaption>{html.escape(c)}</figcaption></figure>"
                  for uri, c in pictures]
-        body.append(f"</div><div class=bar><img alt='colour scale' src='{bar}'></div>")
+        body.append("</div>" + (f"<div class=bar><img alt='colour scale' src='{bar}'></div>" if bar else ""))
 
     def section(heading, images):
         images = [i for i in images if i]
@@ -499,10 +505,17 @@ def page(run):
     if run.series:
         section("Mass flow", flow_figures(run.series))
         section("Time series", series_figures(run.series))
-    for heading, image in [("List rebuilds", rebuild_figure(s)), ("The list over the run: skin, K, rebuild interval, pairs per contact", list_figure(s)),
-                           ("Where the time went", node_figure(s))]:
-        if image:
-            body.append(f"<h2>{heading}</h2><figure><img class=wide alt='{heading.lower()}' src='{image}'></figure>")
+    for heading, image, folded in [
+            ("Where the time went", node_figure(s), False), ("List rebuilds", rebuild_figure(s), True),
+            ("The list over the run: skin, K, rebuild interval, pairs per contact", list_figure(s), True)]:
+        if not image:
+            continue
+        picture_of = f"<figure><img class=wide alt='{heading.lower()}' src='{image}'></figure>"
+        body.append(f"<details><summary>{heading}</summary>{picture_of}</details>" if folded
+                    else f"<h2>{heading}</h2>{picture_of}")
+    meshes = mesh_table(s)
+    if meshes:
+        body.append("<h2>Meshes</h2>" + meshes)
     files = file_table(run.folder)
     if files:
         body.append("<h2>Files</h2>" + files)

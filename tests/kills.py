@@ -60,6 +60,7 @@ velocity = [0.1, 0, 0]
 particles_every = 2e-4
 csv_every = 1e-4
 vtp = true
+vtkhdf = true
 contacts = true
 energies = true
 """

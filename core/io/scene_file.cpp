@@ -478,6 +478,7 @@ OutputSettings read_output(const SceneTable& r, const Domain& domain) {
   o.vtkhdf = r.boolean("vtkhdf");
   o.vtp = r.boolean("vtp");
   o.csv_every = r.number("csv_every");
+  o.checkpoint_wall = r.number("checkpoint_wall");
   o.energies = r.boolean("energies");
   o.contacts = r.boolean("contacts");
   o.coordination = r.boolean("coordination");

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/error.hpp"
+#include "core/io/scene_suggest.hpp"
 
 namespace talus {
 namespace {
@@ -346,11 +347,16 @@ constexpr SceneKey k_keys[] = {
 
     {"output", "particles_every", T::number, "s", 0, k_big, false, "", "0", "",
      "simulated time between particle frames; 0: none", "0.01"},
-    {"output", "vtkhdf", T::boolean, "", 0, 0, false, "", "true", "", "particle frames as one VTKHDF file", "false"},
-    {"output", "vtp", T::boolean, "", 0, 0, false, "", "false", "", "particle frames as .vtp files with a .pvd",
-     "true"},
+    {"output", "vtp", T::boolean, "", 0, 0, false, "", "true", "",
+     "particle frames as one .vtp file each, listed in a .pvd: any ParaView and VTK 9 open it", "false"},
+    {"output", "vtkhdf", T::boolean, "", 0, 0, false, "", "false", "",
+     "particle frames in one VTKHDF file (ParaView 5.12 or newer)", "true"},
     {"output", "csv_every", T::number, "s", 0, k_big, false, "", "0", "",
      "simulated time between rows of the time series; 0: none", "0.001"},
+    {"output", "checkpoint_wall", T::number, "s", 0, k_big, false, "", "300", "",
+     "wall time between checkpoints, of which the newest two are kept, so that a killed run loses no more; 0: only at "
+     "the end; changes no result",
+     "60"},
     {"output", "energies", T::boolean, "", 0, 0, false, "", "false", "", "energy terms and balance", "true"},
     {"output", "contacts", T::boolean, "", 0, 0, false, "", "false", "", "contacts of every frame", "true"},
     {"output", "coordination", T::boolean, "", 0, 0, false, "", "false", "", "contacts per particle", "true"},
@@ -595,34 +601,6 @@ std::string allowed_text(const SceneKey& k) {
   return {};
 }
 
-std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {
-  std::string best;
-  std::size_t best_distance = name.size() / 2 + 1;  // exclusive bound
-  for (const std::string& c : candidates) {
-    std::vector<std::size_t> row(c.size() + 1);
-    for (std::size_t j = 0; j <= c.size(); ++j) row[j] = j;
-    for (std::size_t i = 1; i <= name.size(); ++i) {
-      std::size_t diagonal = row[0];
-      row[0] = i;
-      for (std::size_t j = 1; j <= c.size(); ++j) {
-        const std::size_t substituted = diagonal + (name[i - 1] == c[j - 1] ? 0 : 1);
-        diagonal = row[j];
-        row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
-      }
-    }
-    if (row.back() < best_distance) {
-      best_distance = row.back();
-      best = c;
-    }
-  }
-  return best;
-}
-
-std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates) {
-  const std::string best = nearest_name(name, candidates);
-  return best.empty() ? "" : fmt::format(" (did you mean '{}'?)", best);
-}
-
 std::string scene_help(std::string_view key) {
   std::string text;
   if (key.empty()) {
@@ -635,15 +613,10 @@ std::string scene_help(std::string_view key) {
     }
     return text;
   }
-  std::vector<std::string> names;
-  for (const SceneKey& k : k_keys) {
-    names.push_back(full_name(k));
-    if (names.back() == key) return full_text(k);
-  }
+  for (const SceneKey& k : k_keys)
+    if (full_name(k) == key) return full_text(k);
   for (const SceneSection& s : k_sections) {
-    if (s.name.empty()) continue;
-    names.emplace_back(s.name);
-    if (s.name != key) continue;
+    if (s.name.empty() || s.name != key) continue;
     text = fmt::format("{}: {}\n\n", header_text(s), s.doc);
     for (const SceneKey& k : k_keys) {
       if (k.section == s.name) text += full_text(k) + "\n";
@@ -654,7 +627,10 @@ std::string scene_help(std::string_view key) {
     }
     return text;
   }
-  throw Error(ErrorCode::usage, fmt::format("no scene key or section '{}'{}", key, did_you_mean(key, names)), "",
+  for (const SceneKey& k : k_keys)
+    if (k.name == key) text += (text.empty() ? "" : "\n") + full_text(k);
+  if (!text.empty()) return text;
+  throw Error(ErrorCode::usage, fmt::format("no scene key or section '{}'{}", key, key_hint(key, false)), "",
               "'talus help scene' lists all keys");
 }
 

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/suggest.hpp"
+
 namespace talus {
 
 enum class KeyType {
@@ -57,14 +59,9 @@ std::string full_name(const SceneKey& key);
 /// What a value may be, e.g. "a number in (0, 1e+30] [m]" or "one of linear, hertz_mindlin".
 std::string allowed_text(const SceneKey& key);
 
-/// The candidate with the smallest edit distance to `name`, or "" if none is near (more than half of the letters
-/// wrong).
-std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
-/// " (did you mean 'x'?)" or "".
-std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates);
-
-/// Help text. "": list of all keys with type, unit, range and default. A key ("contact.friction") or section
-/// ("contact"): full text with example. Error{usage} with the nearest name for anything else.
+/// Help text. "": list of all keys with type, unit, range and default. A key ("contact.friction", or "friction": all
+/// keys of that name) or section ("contact"): full text with example. Error{usage} with the nearest name for anything
+/// else.
 std::string scene_help(std::string_view key);
 
 /// A complete small scene that contains the key's example; parse_scene accepts it (tested for every key).

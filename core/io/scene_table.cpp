@@ -11,6 +11,7 @@
 
 #include "core/error.hpp"
 #include "core/io/scene_keys.hpp"
+#include "core/io/scene_suggest.hpp"
 #include "core/io/scene_text.hpp"
 #include "core/text.hpp"
 
@@ -150,9 +151,8 @@ void apply_override(toml::table& root, const std::string& text, Context& ctx) {
     so_far += (so_far.empty() ? "" : ".") + part;
     const SceneSection* known = find_scene_section(section);
     if (known == nullptr) {
-      std::vector<std::string> names;
-      for (const SceneSection& s : scene_sections()) names.emplace_back(s.name);
-      throw Error(ErrorCode::scene, fmt::format("{}: unknown section{}", section, did_you_mean(section, names)), where);
+      throw Error(ErrorCode::scene, fmt::format("{}: unknown section '{}'{}", path, section, key_hint(path, true)),
+                  where);
     }
     toml::node* next = table->get(part);
     if (known->repeated) {
@@ -284,15 +284,13 @@ class Checker {
         names.emplace_back(section_.empty() ? s.name : s.name.substr(section_.size() + 1));
       }
     }
-    std::string hint;
-    for (const SceneKey& other : scene_keys()) {  // right name, wrong section
-      if (hint.empty() && other.name == name.str()) hint = fmt::format(" (did you mean '{}'?)", full_name(other));
-    }
-    if (hint.empty()) hint = did_you_mean(name.str(), names);
+    const std::string where = ctx_.where(path, name.source());
+    // A table with this name is a section that is written wrongly; anything else is a key.
+    std::string hint = n.is_table() || n.is_array_of_tables() ? did_you_mean(name.str(), names) : "";
+    if (hint.empty()) hint = key_hint(path, where.starts_with("--set "));
     std::string list;
     for (const std::string& s : names) list += (list.empty() ? "" : ", ") + s;
-    throw Error(ErrorCode::scene, fmt::format("{}: unknown key{}; allowed here: {}", path, hint, list),
-                ctx_.where(path, name.source()));
+    throw Error(ErrorCode::scene, fmt::format("{}: unknown key{}; allowed here: {}", path, hint, list), where);
   }
 
   void check_section(const SceneSection& s, const toml::node& n, const std::string& path) const {

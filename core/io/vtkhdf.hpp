@@ -53,7 +53,7 @@ class VtkHdfReader {
   ~VtkHdfReader();
   VtkHdfReader(VtkHdfReader&&) noexcept;
   const std::vector<Step>& steps() const noexcept;
-  /// id, x, v, r of frame k (0 <= k < steps().size()); other columns stay empty.
+  /// Frame k (0 <= k < steps().size()) with all particle columns that the file has.
   Frame frame(std::size_t k) const;
 
  private:

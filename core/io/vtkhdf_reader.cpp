@@ -80,6 +80,21 @@ Frame VtkHdfReader::frame(std::size_t k) const {
   };
   f.x = vectors("/VTKHDF/Points");
   f.v = vectors("/VTKHDF/PointData/velocity");
+  const auto has = [&](const char* name) { return H5Lexists(m.file, name, H5P_DEFAULT) > 0; };
+  if (has("/VTKHDF/PointData/omega")) f.w = vectors("/VTKHDF/PointData/omega");
+  if (has("/VTKHDF/PointData/material"))
+    f.material = m.read<std::uint8_t>("/VTKHDF/PointData/material", H5T_NATIVE_UINT8, from, n, 1);
+  if (has("/VTKHDF/PointData/fixed"))
+    f.fixed = m.read<std::uint8_t>("/VTKHDF/PointData/fixed", H5T_NATIVE_UINT8, from, n, 1);
+  if (has("/VTKHDF/PointData/coordination"))
+    f.coordination = m.read<std::int32_t>("/VTKHDF/PointData/coordination", H5T_NATIVE_INT32, from, n, 1);
+  if (has("/VTKHDF/PointData/stress")) {
+    const auto s = m.read<double>("/VTKHDF/PointData/stress", H5T_NATIVE_DOUBLE, from, n, 6);
+    f.stress.resize(n);
+    // VTK's order XX YY ZZ XY YZ XZ back to that of a frame
+    for (std::size_t i = 0; i < n; ++i)
+      f.stress[i] = {s[6 * i], s[6 * i + 1], s[6 * i + 2], s[6 * i + 3], s[6 * i + 5], s[6 * i + 4]};
+  }
   return f;
 }
 

@@ -84,7 +84,7 @@ TEST_F(Cases, AvalancheRunsDownTheValleyWithoutALossAndItsFrontIsMeasured) {
   ASSERT_EQ(make("avalanche/make_avalanche.py", "small"), 0) << read("log");
   const Result r = run("avalanche/small.toml",
                        {"wall.0.file=" + made("valley-small.stl"), "source.0.file=" + made("snow-small.csv.gz"),
-                        "time.duration=2", "output.particles_every=0.25", "output.vtp=false"});
+                        "time.duration=2", "output.particles_every=0.25", "output.vtp=false", "output.vtkhdf=true"});
   ASSERT_EQ(r.exit_code, 0) << r.err;
   EXPECT_EQ(series().at("particles").back(), 11928) << "a grain fell through the valley";
   ASSERT_EQ(python((k_cases / "avalanche/front.py").string() + " out --no-picture"), 0) << read("log");
@@ -120,7 +120,7 @@ TEST_F(Cases, RecoaterLeavesALayerNotHigherThanItsGap) {
       run("levelling/small.toml", {"wall.1.file=" + made("blade-small.stl"), "source.0.number=600",
                                    "source.0.region.upper=[0.00165,0.0003,0.00025]", "wall.1.motion.start=0.002",
                                    "wall.1.motion.velocity=[0.3,0,0]", "time.duration=0.009",
-                                   "output.particles_every=0.009", "output.vtp=false"});
+                                   "output.particles_every=0.009"});
   ASSERT_EQ(r.exit_code, 0) << r.err;
   // The blade is at 2.45 mm: behind it, from 0.8 to 1.6 mm, lies what it left.
   ASSERT_EQ(python((k_cases / "levelling/layer.py").string() + " out --from 0.0008 --to 0.0016 --no-picture"), 0)

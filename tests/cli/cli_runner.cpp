@@ -126,7 +126,8 @@ size = { kind = "uniform", min = 0.006, max = 0.009 }
 [output]
 particles_every = 1e-3
 csv_every = 1e-4
-)" + extra;
+)" + (extra.find("vtkhdf") == std::string::npos ? "vtkhdf = true\n" : "") +
+         extra;
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {

@@ -6,9 +6,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 
+#include "cases/cli_schedule.hpp"
 #include "cases/cli_signal.hpp"
 
 namespace talus::cli {
@@ -72,6 +76,80 @@ TEST(Pace, ALineShowsIt) {
   EXPECT_GE(eta, 3 * before - 0.06) << text;
   EXPECT_LE(eta, 3 * after + 0.06) << text;
   EXPECT_NE(text.find(" 25.0 %"), std::string::npos) << text;
+}
+
+ProgressFacts facts() {
+  ProgressFacts f;
+  f.share = 0.4321;
+  f.step = 432100;
+  f.last = 1000000;
+  f.time = 4.321;
+  f.particles = 125000;
+  f.work_per_s = 34.56e6;
+  f.eta = 3725;
+  return f;
+}
+
+TEST(TerminalLine, IsShorterThanTheTerminalIsWideAndSaysTheMostImportant) {
+  ProgressFacts huge = facts();
+  huge.step = huge.last = 1000000000000;
+  huge.particles = 2000000000;
+  huge.eta = 9e8;
+  ProgressFacts unknown;
+  for (int columns = 1; columns <= 200; ++columns)
+    for (const ProgressFacts& f : {facts(), huge, unknown}) {
+      const std::string line = terminal_line(f, columns);
+      EXPECT_LT(static_cast<int>(line.size()), std::max(columns, 1)) << line;
+      if (columns >= 9) {
+        EXPECT_NE(line.find(" %"), std::string::npos) << columns << line;
+      }
+    }
+  EXPECT_EQ(terminal_line(facts(), 20), " 43.2 % ETA 1:02:05");
+  EXPECT_EQ(terminal_line(facts(), 40), " 43.2 %  34.56 M/s  ETA 1:02:05");
+  const std::string wide = terminal_line(facts(), 200);
+  for (const char* part : {" 43.2 %", "step  432100/1000000", "t = 4.321 s", "125000 particles",
+                           "34.56 M particle-steps/s", "ETA 1:02:05", "[##########..............]"})
+    EXPECT_NE(wide.find(part), std::string::npos) << part << " in " << wide;
+}
+
+TEST(TerminalLine, KeepsItsLayoutWhileStepsGrow) {
+  ProgressFacts early = facts();
+  early.step = 7;
+  EXPECT_EQ(terminal_line(early, 80).size(), terminal_line(facts(), 80).size());
+}
+
+TEST(TerminalColumns, ComeFromTheTerminalElseFromTheEnvironmentElseAreEighty) {
+  std::FILE* file = std::tmpfile();
+  ASSERT_NE(file, nullptr);
+  const int no_terminal = fileno(file);
+  unsetenv("COLUMNS");
+  EXPECT_EQ(terminal_columns(no_terminal), 80);
+  setenv("COLUMNS", "57", 1);
+  EXPECT_EQ(terminal_columns(no_terminal), 57);
+  for (const char* bad : {"0", "-3", "many", "1e9", "99999999999", "57x", ""}) {
+    setenv("COLUMNS", bad, 1);
+    EXPECT_EQ(terminal_columns(no_terminal), 80) << bad;
+  }
+  unsetenv("COLUMNS");
+  std::fclose(file);
+}
+
+TEST(WallIntervalTest, IsDueAfterItsSecondsButNeverCostsMoreThanAFiftieth) {
+  using Clock = WallInterval::Clock;
+  const auto after = [start = Clock::now()](double seconds) {
+    return start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  };
+  WallInterval often(10);
+  often.begin(after(0));
+  often.done(after(0.1));
+  EXPECT_FALSE(often.due(after(10.0)));
+  EXPECT_TRUE(often.due(after(10.2)));
+  often.begin(after(11));
+  often.done(after(13));  // 2 s: the next one after 100 s
+  EXPECT_FALSE(often.due(after(112)));
+  EXPECT_TRUE(often.due(after(113.1)));
+  const WallInterval never(0);
+  EXPECT_FALSE(never.due(after(1e6)));
 }
 
 /// What becomes of a process that gets these signals while a SignalGuard lives; 0 if it lives on.

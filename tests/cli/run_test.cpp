@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <optional>
 #include <thread>
 
 #include "tests/cli/cli_runner.hpp"
@@ -53,16 +54,25 @@ TEST_F(Cli, ProgressInALogIsALinePerTenPercent) {
   EXPECT_EQ(quiet.err + quiet.out, "");
 }
 
-TEST_F(Cli, ProgressOnATerminalIsOneLineThatIsRewritten) {
-  write("scene.toml", small_scene(50));
+/// What `talus` with these arguments shows on a terminal of so many columns (0: of unknown width); nothing where the
+/// machine has no pseudo terminals.
+std::optional<std::string> shown_on_terminal(const fs::path& folder, std::vector<std::string> words, int columns) {
+  struct winsize size = {};
+  size.ws_col = static_cast<unsigned short>(columns);
+  size.ws_row = 24;
+  words.insert(words.begin(), TALUS_BINARY);
+  std::vector<char*> argv;
+  for (std::string& w : words) argv.push_back(w.data());
+  argv.push_back(nullptr);
   const std::string directory = folder;
   int terminal = -1;
-  const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
-  if (child < 0) GTEST_SKIP() << "no pseudo terminals on this machine";  // a chroot without devpts
-
+  const pid_t child = forkpty(&terminal, nullptr, nullptr, columns > 0 ? &size : nullptr);
+  if (child < 0) return {};
   if (child == 0) {
+    unsetenv("COLUMNS");
+    setenv("TERM", "xterm", 1);
     if (chdir(directory.c_str()) != 0) _exit(126);
-    execl(TALUS_BINARY, TALUS_BINARY, "run", "scene.toml", "--out", "out", nullptr);
+    execv(argv[0], argv.data());
     _exit(127);
   }
   std::string shown;
@@ -72,11 +82,39 @@ TEST_F(Cli, ProgressOnATerminalIsOneLineThatIsRewritten) {
   waitpid(child, &status, 0);
   close(terminal);
   EXPECT_EQ(WEXITSTATUS(status), 0) << shown;
-  const std::string bar = shown.substr(0, shown.find('\n'));
-  EXPECT_NE(bar.find("\r["), std::string::npos) << shown;
-  EXPECT_NE(bar.find("100.0 %"), std::string::npos) << shown;
-  EXPECT_NE(bar.find("ETA"), std::string::npos) << shown;
-  EXPECT_NE(bar.find("particle-steps/s"), std::string::npos) << shown;
+  return shown;
+}
+
+TEST_F(Cli, ProgressOnATerminalIsOneLineThatIsRewritten) {
+  write("scene.toml", small_scene(50));
+  const auto shown = shown_on_terminal(folder, {"run", "scene.toml", "--out", "out"}, 0);
+  if (!shown) GTEST_SKIP() << "no pseudo terminals on this machine";  // a chroot without devpts
+  const std::string bar = shown->substr(0, shown->find('\n'));
+  EXPECT_NE(bar.find("\r["), std::string::npos) << *shown;
+  EXPECT_NE(bar.find("100.0 %"), std::string::npos) << *shown;
+  EXPECT_NE(bar.find("ETA"), std::string::npos) << *shown;
+  EXPECT_NE(bar.find("particle-steps/s"), std::string::npos) << *shown;
+}
+
+TEST_F(Cli, ProgressNeverWrapsOnATerminalOfAnyWidth) {
+  write("scene.toml", small_scene(50));
+  for (const int columns : {20, 40, 80, 132}) {
+    const auto shown = shown_on_terminal(
+        folder, {"run", "scene.toml", "--out", "out" + std::to_string(columns), "--steps", "3000"}, columns);
+    if (!shown) GTEST_SKIP() << "no pseudo terminals on this machine";
+    const std::string progress = shown->substr(0, shown->find('\n'));
+    int drawn = 0;
+    for (std::size_t at = progress.find('\r'); at != std::string::npos && at + 1 < progress.size();) {
+      const std::size_t end = std::min(progress.find("\x1b[K", at), progress.size());
+      const std::string line = progress.substr(at + 1, end - at - 1);
+      EXPECT_LT(static_cast<int>(line.size()), columns) << line;
+      EXPECT_NE(line.find(" %"), std::string::npos) << line;
+      ++drawn;
+      at = progress.find('\r', end);
+    }
+    EXPECT_GE(drawn, 1) << progress;
+    EXPECT_NE(progress.find("100.0 %"), std::string::npos) << progress;
+  }
 }
 
 TEST_F(Cli, JsonSummaryOnStandardOutput) {
@@ -258,6 +296,47 @@ TEST_F(Cli, SceneOfTheReadmeIsValid) {
   EXPECT_EQ(r.exit_code, 0) << r.err;
   EXPECT_EQ(r.err, "") << "an example must not warn";
   EXPECT_NE(r.out.find("readme.toml: valid\n"), std::string::npos) << r.out;
+}
+
+TEST_F(Cli, AKilledRunGoesOnFromTheCheckpointThatTheClockLeft) {
+  write("scene.toml", small_scene(50));
+  Process process(folder,
+                  {"run", "scene.toml", "--out", "out", "--quiet", "--steps", "100000000", "--set",
+                   "output.checkpoint_wall=0.01", "--set", "output.csv_every=0", "--set", "output.particles_every=0"});
+  const auto steps = [&] {
+    std::vector<std::int64_t> found;
+    std::error_code gone;
+    for (const auto& entry : fs::directory_iterator(folder / "out", gone)) {
+      const std::string name = entry.path().filename().string();
+      if (name.starts_with("checkpoint-") && name.ends_with(".tcp")) found.push_back(std::stoll(name.substr(11)));
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+  };
+  for (int k = 0; k < 6000 && steps().size() < 2; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  kill(process.id(), SIGKILL);
+  EXPECT_EQ(process.wait().exit_code, -1 - SIGKILL);
+  ASSERT_GE(steps().size(), 2u);
+  EXPECT_LE(steps().size(), 3u) << "the newest two, and one that was about to go";
+  const std::string last = std::to_string(steps().back() + 150);
+  const Result on = talus({"run", "scene.toml", "--resume", "out", "--quiet", "--steps", last, "--set",
+                           "output.csv_every=0", "--set", "output.particles_every=0"});
+  ASSERT_EQ(on.exit_code, 0) << on.err;
+  ASSERT_EQ(talus({"run", "scene.toml", "--out", "whole", "--quiet", "--steps", last, "--set",
+                   "output.checkpoint_wall=0", "--set", "output.csv_every=0", "--set", "output.particles_every=0"})
+                .exit_code,
+            0);
+  EXPECT_EQ(json_value(read("out/summary.json"), "state_hash"), json_value(read("whole/summary.json"), "state_hash"));
+}
+
+TEST_F(Cli, AResumeSaysWhichFramesItDoesNotContinue) {
+  write("scene.toml", small_scene(20));
+  ASSERT_EQ(talus({"run", "scene.toml", "--out", "out", "--quiet", "--steps", "100"}).exit_code, 0);
+  const Result r =
+      talus({"run", "scene.toml", "--resume", "out", "--quiet", "--steps", "200", "--set", "output.vtkhdf=false"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.err.find("particles.vtkhdf is not continued: output.vtkhdf is false"), std::string::npos) << r.err;
+  EXPECT_EQ(r.err.find("particles.pvd"), std::string::npos) << r.err;
 }
 
 TEST_F(Cli, CheckpointEveryKeepsTheNewestTwo) {

@@ -72,7 +72,9 @@ TEST_F(Cli, CheckAcceptsTheStepsThatRunAcceptsAndNoOthers) {
         const Result run = talus({"run", name, "--set", set, "--out", "out", "--overwrite", "--quiet"});
         EXPECT_EQ(check.exit_code, share > 1 ? 3 : 0) << law << source << share << check.err;
         EXPECT_EQ(run.exit_code, check.exit_code) << law << source << share << run.err;
-        if (share > 1) EXPECT_EQ(run.err, check.err) << law;
+        if (share > 1) {
+          EXPECT_EQ(run.err, check.err) << law;
+        }
       }
       EXPECT_EQ(talus({"check", name, "--calibrate", "0", "--set", "time.step=" + json_value(fine.out, "time_step_20")})
                     .exit_code,

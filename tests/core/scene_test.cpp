@@ -60,7 +60,8 @@ TEST(SceneFile, MinimalSceneGetsTheDefaultsOfTheTable) {
   EXPECT_TRUE(s.list.floor_on && s.list.acceleration_on && s.list.cap_on);
   EXPECT_EQ(s.list.floor, 0.02);
   EXPECT_EQ(s.max_overlap, 0.5);
-  EXPECT_TRUE(s.output.vtkhdf);
+  EXPECT_TRUE(s.output.vtp);
+  EXPECT_FALSE(s.output.vtkhdf);
   EXPECT_FALSE(s.output.grid.on);
 }
 
@@ -81,6 +82,7 @@ TEST(SceneFile, DefaultsEqualThoseOfThePlainStruct) {
   EXPECT_EQ(a.contact.lever, b.contact.lever);
   EXPECT_EQ(a.output.vtkhdf, b.output.vtkhdf);
   EXPECT_EQ(a.output.vtp, b.output.vtp);
+  EXPECT_EQ(a.output.checkpoint_wall, b.output.checkpoint_wall);
   EXPECT_EQ(a.monitor.warn_overlap, b.monitor.warn_overlap);
   EXPECT_EQ(a.monitor.warn_travel, b.monitor.warn_travel);
   EXPECT_EQ(a.monitor.max_travel, b.monitor.max_travel);
@@ -219,9 +221,10 @@ uniform_skin = 0.3
 cell_factor = 1.5
 [output]
 particles_every = 0.01
-vtkhdf = false
-vtp = true
+vtkhdf = true
+vtp = false
 csv_every = 0.001
+checkpoint_wall = 7.5
 energies = true
 contacts = true
 coordination = true
@@ -319,7 +322,9 @@ displacement = 0.005
   EXPECT_FALSE(s.list.floor_on);
   EXPECT_FALSE(s.list.acceleration_on);
   EXPECT_FALSE(s.list.cap_on);
-  EXPECT_TRUE(s.output.vtp && s.output.energies && s.output.contacts && s.output.stress && s.output.coordination);
+  EXPECT_EQ(s.output.checkpoint_wall, 7.5);
+  EXPECT_FALSE(s.output.vtp);
+  EXPECT_TRUE(s.output.vtkhdf && s.output.energies && s.output.contacts && s.output.stress && s.output.coordination);
   EXPECT_EQ(s.output.grid.cells[2], 4);
   EXPECT_EQ(s.output.flux_planes[0].normal.z, -1);
   EXPECT_EQ(s.output.regions[0].region.radius, 0.3);
@@ -349,7 +354,7 @@ TEST(SceneFile, ExampleOfEveryKeyParsesAndHoldsTheKey) {
 
 TEST(SceneFile, UnknownKeyNamesNearestAndPosition) {
   const std::string m = refusal(std::string(k_minimal) + "normal_stifness = 3\n");
-  EXPECT_CONTAINS(m, "t.toml:12:1: contact.normal_stifness: unknown key (did you mean 'normal_stiffness'?)");
+  EXPECT_CONTAINS(m, "t.toml:12:1: contact.normal_stifness: unknown key (did you mean 'contact.normal_stiffness'?)");
   EXPECT_CONTAINS(refusal("[domian]\n"), "did you mean 'domain'?");
   EXPECT_CONTAINS(refusal("step = 1\n"), "did you mean 'time.step'?");
   EXPECT_CONTAINS(refusal(std::string(k_minimal) + "[output.plain]\nx = 1\n"),
@@ -481,9 +486,9 @@ TEST(SceneFile, OverridesReplaceValuesOfAnyKey) {
 
 TEST(SceneFile, ErrorsInOverridesNameTheOverride) {
   EXPECT_CONTAINS(refusal(k_minimal, {"list.verlet_kk=3"}),
-                  "--set list.verlet_kk=3: list.verlet_kk: unknown key (did you mean 'verlet_k'?)");
+                  "--set list.verlet_kk=3: list.verlet_kk: unknown key (did you mean 'list.verlet_k'?)");
   EXPECT_CONTAINS(refusal(k_minimal, {"list.verlet_k=many"}), "--set list.verlet_k=many: list.verlet_k: 'many'");
-  EXPECT_CONTAINS(refusal(k_minimal, {"lists.verlet_k=3"}), "lists: unknown section (did you mean 'list'?)");
+  EXPECT_CONTAINS(refusal(k_minimal, {"lists.verlet_k=3"}), "unknown section 'lists' (did you mean 'list.verlet_k'?)");
   EXPECT_CONTAINS(refusal(k_minimal, {"wall.0.name=a"}), "the scene has 0 [[wall]]");
   EXPECT_CONTAINS(refusal(k_minimal, {"verlet"}), "section.key=value");
   EXPECT_CONTAINS(refusal(k_minimal, {"seed=3\nsteps=4"}), "control characters");

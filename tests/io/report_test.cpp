@@ -8,6 +8,7 @@
 #include "core/io/series.hpp"
 #include "core/io/summary.hpp"
 #include "core/io/vtkhdf.hpp"
+#include "core/io/vtp.hpp"
 #include "paths.hpp"
 #include "tests/io/output_frames.hpp"
 
@@ -57,7 +58,7 @@ TEST(Report, IsOneSelfContainedPage) {
   TemporaryFolder t;
   const auto f = example(t / "out");
   ASSERT_TRUE(report(f.dir()));
-  EXPECT_TRUE(python("check_report.py", f.report() + " 3 'Heap of <b>grains</b>' '<b>grains</b> & more' 'Mass flow' "
+  EXPECT_TRUE(python("check_report.py", f.report() + " 4 'Heap of <b>grains</b>' '<b>grains</b> & more' 'Mass flow' "
                                                      "'Time series' 'List rebuilds' 'Where the time went' "
                                                      "'Last frame: t = 5 s, step 40, 36 particles'"));
   EXPECT_FALSE(python("check_report.py", f.report() + " 2 2>/dev/null"));
@@ -69,7 +70,7 @@ TEST(Report, IsOneSelfContainedPage) {
 TEST(Report, ShowsTheListOverTheRun) {
   TemporaryFolder t;
   const auto f = example(t / "out");
-  const std::string page = " 3 'The list over the run: skin, K, rebuild interval, pairs per contact'";
+  const std::string page = " 4 'The list over the run: skin, K, rebuild interval, pairs per contact'";
   ASSERT_TRUE(report(f.dir()));
   EXPECT_FALSE(python("check_report.py", f.report() + page + " 2>/dev/null")) << "no series, no plots";
   Summary s;
@@ -81,6 +82,57 @@ TEST(Report, ShowsTheListOverTheRun) {
   EXPECT_TRUE(python("check_report.py", f.report() + page));
 }
 
+TEST(Report, ShowsFramesOfEitherFormatTheSame) {
+  TemporaryFolder t;
+  const auto hdf = example(t / "hdf"), vtp = example(t / "vtp");
+  std::filesystem::remove(vtp.particles());
+  std::filesystem::remove(vtp.walls());
+  PvdCollection p(vtp.dir(), "particles"), w(vtp.dir(), "walls");
+  for (int k = 0; k < 5; ++k) {
+    const Frame frame = test::make_frame(10 * k, k == 0 ? 0 : 40 - k, 4);
+    write_vtp(p.path(frame.step), particle_poly(frame, {}), frame.time);
+    p.add(frame.step, frame.time);
+    write_vtp(w.path(frame.step), wall_poly(frame), frame.time);
+    w.add(frame.step, frame.time);
+  }
+  ASSERT_TRUE(report(hdf.dir()));
+  ASSERT_TRUE(report(vtp.dir()));
+  const auto pictures = [](const RunFolder& f) {
+    const std::string page = test::slurp(f.report());
+    return page.substr(page.find("<h2>Particles"), page.find("<h2>Mass flow") - page.find("<h2>Particles"));
+  };
+  EXPECT_GT(pictures(vtp).size(), 10000u);
+  EXPECT_TRUE(pictures(vtp) == pictures(hdf));
+}
+
+TEST(Report, WarningsComeFirstAndMeshesAreListed) {
+  TemporaryFolder t;
+  const auto f = example(t / "out");
+  Summary s;
+  s.warnings = {{"travel", "a grain moved <fast>", 120, 7, 0.4, 0.1}};
+  MeshReport mesh;
+  mesh.file = "silo.stl";
+  mesh.facets_read = 321;
+  mesh.open_edges = 9;
+  s.meshes = {{"silo", mesh}};
+  write_summary(f.summary(), s);
+  ASSERT_TRUE(report(f.dir()));
+  EXPECT_TRUE(python("check_report.py", f.report() + " 4 'Warnings of the run' 'a grain moved <fast>' "
+                                                     "'in 7 steps from step 120 on' silo.stl 321 '9 open edges'"));
+  const std::string page = test::slurp(f.report());
+  EXPECT_LT(page.find("Warnings of the run"), page.find("<h2>"));
+}
+
+TEST(Report, ShowsARunThatHasLeftNoSummary) {
+  TemporaryFolder t;
+  const auto f = example(t / "out");
+  std::filesystem::remove(f.summary());
+  const std::string series = test::slurp(f.series());
+  test::spill(f.series(), series.substr(0, series.size() - 3));  // torn by a kill
+  ASSERT_TRUE(report(f.dir()));
+  EXPECT_TRUE(python("check_report.py", f.report() + " 4 'goes on, or was killed' 'until t =' 'Time series'"));
+}
+
 TEST(Report, WorksWhenFilesAreMissing) {
   TemporaryFolder t;
   struct Case {
@@ -88,9 +140,9 @@ TEST(Report, WorksWhenFilesAreMissing) {
     std::string expected;
   };
   int k = 0;
-  for (const Case& c : {Case{{"summary.json", "scene.toml"}, " 3 'summary.json is missing; scene.toml is missing'"},
-                        Case{{"series.csv", "walls.vtkhdf"}, " 3 'series.csv is missing'"},
-                        Case{{"particles.vtkhdf"}, " 0 'particles.vtkhdf is missing' 'Time series'"}}) {
+  for (const Case& c : {Case{{"summary.json", "scene.toml"}, " 4 'summary.json is missing; scene.toml is missing'"},
+                        Case{{"series.csv", "walls.vtkhdf"}, " 4 'series.csv is missing'"},
+                        Case{{"particles.vtkhdf"}, " 0 'there are no particles over time' 'Time series'"}}) {
     const auto f = example(t / std::to_string(k++));
     for (const auto& name : c.removed) std::filesystem::remove(f.path(name));
     EXPECT_TRUE(report(f.dir())) << c.expected;
@@ -107,7 +159,7 @@ TEST(Report, DamagedFilesAreNamed) {
   EXPECT_TRUE(report(f.dir()));
   EXPECT_TRUE(python("check_report.py", f.report() +
                                             " 0 'summary.json cannot be read' 'series.csv cannot be read' "
-                                            "'particles.vtkhdf cannot be read' 'walls.vtkhdf cannot be read'"));
+                                            "'particles over time cannot be read' 'walls over time cannot be read'"));
 }
 
 TEST(Report, NoFolderIsAnError) { EXPECT_FALSE(report("/nonexistent/run", "2>&1")); }

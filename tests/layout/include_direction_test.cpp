@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -128,8 +129,8 @@ TEST(Includes, XsimdOnlyInKernels) {
 }
 
 TEST(Includes, HeavyReadersAreInOneTranslationUnitEach) {
-  const std::map<std::string, std::vector<std::string>> libraries{
-      {"toml++", {"toml++/", "toml.hpp"}}, {"HDF5", {"hdf5", "H5"}}};
+  const std::map<std::string, std::vector<std::string>> libraries{{"toml++", {"toml++/", "toml.hpp"}},
+                                                                  {"HDF5", {"hdf5", "H5"}}};
   for (const auto& [name, prefixes] : libraries) {
     auto users = users_of(prefixes);
     EXPECT_FALSE(users.empty()) << name;
@@ -189,6 +190,41 @@ TEST(Sources, BuildForbidsContractionAndFastMath) {
   EXPECT_NE(build.find("-ffp-contract=off"), std::string::npos);
   EXPECT_EQ(build.find("-ffast-math"), std::string::npos);
   EXPECT_EQ(build.find("-Ofast"), std::string::npos);
+}
+
+/// Targets of links and pictures in a page, without those to the web and within the page.
+std::vector<std::string> links_in(const std::string& text) {
+  std::vector<std::string> found;
+  for (std::size_t at = text.find("]("); at != std::string::npos; at = text.find("](", at + 1)) {
+    const std::string target = text.substr(at + 2, text.find(')', at) - at - 2);
+    if (!target.empty() && target[0] != '#' && target.find("://") == std::string::npos)
+      found.push_back(target.substr(0, target.find('#')));
+  }
+  return found;
+}
+
+TEST(Pages, LinksLeadSomewhereAndPicturesAreSmall) {
+  EXPECT_EQ(links_in("[a](b.md#c) ![d](e.png) [f](#g) [h](https://i.org)"),
+            (std::vector<std::string>{"b.md", "e.png"}));
+  std::size_t pictures = 0;
+  std::vector<fs::path> pages{fs::path(TALUS_SOURCE_DIR) / "README.md"};
+  for (const char* folder : {"cases", "perf", ".github"})
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(TALUS_SOURCE_DIR) / folder))
+      if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  for (const fs::path& page : pages)
+    for (const std::string& target : links_in(read(page))) {
+      const fs::path to = page.parent_path() / target;
+      EXPECT_TRUE(fs::exists(to)) << page << " names " << target;
+      if (to.extension() != ".png" || !fs::exists(to)) continue;
+      ++pictures;
+      EXPECT_LE(fs::file_size(to), 200000u) << to;
+    }
+  EXPECT_GT(pictures, 12u);
+}
+
+TEST(Pages, TheReadmeShowsTheResultsOfPerf) {
+  EXPECT_EQ(std::system("PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 " TALUS_SOURCE_DIR "/perf/readme_table.py --check"),
+            0);
 }
 
 TEST(Layout, NothingUnexpectedAtTheTop) {

@@ -188,7 +188,9 @@ TEST(Advice, BedsKeepTheirEnergyBoundedJustBelowThePackingLimit) {
         figure("bed at 0.95 of the packing limit, " + name + ": kinetic energy at the end / fall", b.last);
         EXPECT_EQ(b.end, "") << name;
         EXPECT_LT(b.peak, e < 1 ? 1.001 : 1.05) << name;
-        if (e < 1) EXPECT_LT(b.last, 3e-3) << name;
+        if (e < 1) {
+          EXPECT_LT(b.last, 3e-3) << name;
+        }
       }
 }
 

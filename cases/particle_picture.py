@@ -1,6 +1,6 @@
 """Pictures of spheres and walls: an orthographic z-buffer renderer on numpy, walls as translucent outlines.
 
-Used by report.py. Every sphere has its true size; shading is by surface normal plus depth darkening (a pixel that lies
+Used by draw.py. Every sphere has its true size; shading is by surface normal plus depth darkening (a pixel that lies
 behind its neighbourhood gets darker), which makes a bed readable without shadows. 500k spheres take a few seconds.
 """
 import numpy as np
