@@ -47,6 +47,7 @@ void hertz_force(Block& block, const LawArgs& args) {
   const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt), hdt = S::set(0.5 * a.dt);
   const B hdt_t = S::set(0.5 * 3.5 * a.dt), two_fifths = S::set(0.4);
   const B travel = a.start != 0 ? zero : dt;  // how long the tangential springs have moved with the spheres
+  const bool onset = !Adhesive && a.centred != 0 && a.onset != 0;
   Coefficients<S, Multi> c;
   if constexpr (!Multi) c.load(b, a, 0);
   for (int k = 0; k < b.n; k += S::W) {
@@ -77,25 +78,27 @@ void hertz_force(Block& block, const LawArgs& args) {
     B vd = vn;
     if (a.recall != 0) vd = dashpot_velocity<S>(vn, mid_normal, S::load(b.h_in[k_recall] + k), fn, ms, delta, a.dt);
     const B elastic = fn, step = S::abs(vn) * dt;
-    const auto approaches = S::lt(vn, zero), brief = S::lt(delta, step);
-    const bool edges = !Adhesive && a.centred != 0 && a.onset != 0 && S::any(brief);
-    B weight = one, counted = one, slid = travel;  // as in the linear law
-    if (edges) {
+    const auto brief = S::lt(delta, step);
+    const bool edges = onset && S::any(brief);
+    B cw = cn, counted = one, slid = travel;  // as in the linear law
+    if (edges) [[unlikely]] {
       const B u = delta / step, q = half + u;
       if (a.recall != 0) {
         const auto fresh = lacks_prediction<S>(S::load(b.h_in[k_recall] + k));
         counted = S::select(brief, S::select(fresh, S::select(S::gt(vn, zero), zero, one), one), one);
       }
-      weight = S::select(brief, (S::set(0.8) * (q * S::sqrt(S::sqrt(q / u)))) * counted, one);
-      slid = S::select(brief, S::select(approaches, dt * u, slid), slid);
+      cw = S::select(brief, cn * ((S::set(0.8) * (q * S::sqrt(S::sqrt(q / u)))) * counted), cn);
+      // the radius has grown as the root of the time since touch: 2/3 of it on average, not the half of below
+      slid = S::select(brief, S::select(S::lt(vn, zero), (dt * u) * S::set(4.0 / 3.0), slid), slid);
     }
-    const B cw = cn * weight;
     fn = fn - cw * vd;
     if (a.centred != 0) fn = fn / (one + hdt * (cw * ms));
     if (!Adhesive && a.clip != 0) fn = S::select(S::gt(fn, zero), fn, zero);  // as in the linear law
     if (a.recall != 0) {
       const B next = vn + dt * (fn * ms);
-      S::store(b.h[k_recall] + k, edges ? S::select(brief, S::select(S::gt(vn, zero), zero, next), next) : next);
+      S::store(b.h[k_recall] + k, next);
+      if (edges) [[unlikely]]
+        S::store(b.h[k_recall] + k, S::select(brief, S::select(S::gt(vn, zero), zero, next), next));
     }
     B f[3] = {fn * n[0], fn * n[1], fn * n[2]};
     B mid = one;  // dashpot at n-1/2 over that at n
@@ -118,8 +121,8 @@ void hertz_force(Block& block, const LawArgs& args) {
         B loss = dt * ((cn * mid) * (vn * vn));
         if (edges) {  // from the instant of touch, and to that of parting
           const B edge = (S::set(0.8) * (delta / S::abs(vn))) * (cn * (vn * vn));
-          loss = S::select(brief, (S::select(approaches, zero, loss) + edge) * counted, loss);
-          mid = S::select(brief, S::select(approaches, S::set(0.8), mid), mid);
+          loss = S::select(brief, (S::select(S::lt(vn, zero), zero, loss) + edge) * counted, loss);
+          mid = S::select(brief, S::select(S::lt(vn, zero), S::set(0.8), mid), mid);
         }
         if (a.clip != 0) {
           const B last = delta + dt * vn, before = c.kn * (S::sqrt(reff * S::select(S::gt(last, zero), last, zero)));
@@ -140,10 +143,7 @@ void hertz_force(Block& block, const LawArgs& args) {
       const B before = S::select(S::gt(last, zero), ((h[0] * h[0] + h[1] * h[1]) + h[2] * h[2]) / last, zero);
       const B rescale = S::select(S::lt(radius, last), radius / last, one);
       const B grow = a.centred != 0 ? one + hdt_t * (ct * ms) : one, shrink = one / grow;
-      const B mean = half * (radius + last);
-      B moved = S::select(S::lt(mean, radius), mean, radius);
-      if (edges)  // the radius has grown as the root of the time since touch
-        moved = S::select(brief, S::select(approaches, S::set(2.0 / 3.0) * radius, moved), moved);
+      const B mean = half * (radius + last), moved = S::select(S::lt(mean, radius), mean, radius);
       const B travelled = slid * (c.kt * moved);
       B g[3], trial[3];
       for (int q = 0; q < 3; ++q) {
@@ -153,19 +153,21 @@ void hertz_force(Block& block, const LawArgs& args) {
       const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
       B press = elastic;
       if constexpr (Adhesive) press = press + S::set(3.0) * jkr.pull;
-      B middle = c.mu * (press + (S::set(1.5) * sn) * (hdt * vn));  // Coulomb's limit at n-1/2
-      if (edges)                                                    // as that time to the power of 3/2
-        middle = S::select(brief, S::select(approaches, two_fifths * (c.mu * press), middle), middle);
       if (a.total != 0) {
         press = fn;
         if constexpr (Adhesive) press = fn + S::set(3.0) * jkr.pull;
         press = S::select(S::gt(press, zero), press, zero);
-        middle = c.mu * press;
       }
       const B limit = c.mu * press;
       const auto slides = S::gt(g2, limit * limit);
       if (S::any(slides)) {
-        // as in the linear law, with rho = ct / travelled
+        // as in the linear law, with rho = ct / travelled; the limit at n-1/2, or its mean since the touch
+        B middle = limit;
+        if (a.total == 0) {
+          middle = limit + (S::set(0.75 * a.dt) * c.mu) * (sn * vn);
+          if (edges) [[unlikely]]
+            middle = S::select(brief, S::select(S::lt(vn, zero), two_fifths * limit, middle), middle);
+        }
         const B memory = ct * (ct + travelled), whole = memory + half * (travelled * travelled);
         const B size = S::fast ? g2 * over_root<S>(one, g2) : S::sqrt(g2), all = one / (size * whole);
         const B keep = memory * (all * size), scale = S::select(slides, limit * (all * whole), one);
@@ -185,7 +187,13 @@ void hertz_force(Block& block, const LawArgs& args) {
         // A change of the contact radius changes F^2 / S_t by the ratio of the smaller to the larger one (F is rescaled
         // on unloading; on loading S_t grows at constant F, to that of the mean radius before the increment and to that
         // of the present one after it); neither partner gets that energy, it counts as friction.
-        const B stiffness = c.kt * moved, soft = zero - one / stiffness;
+        B reach = moved, time = slid;
+        if (edges) {
+          const auto touch = [&](B& to, B value) { to = S::select(brief, S::select(S::lt(vn, zero), value, to), to); };
+          touch(time, S::set(0.75) * slid);
+          touch(reach, S::set(4.0 / 3.0) * moved);
+        }
+        const B stiffness = c.kt * reach, soft = zero - one / stiffness;
         B way[3], most[3], h2 = zero;
         for (int q = 0; q < 3; ++q) {
           h2 = h2 + h[q] * h[q];
@@ -193,10 +201,10 @@ void hertz_force(Block& block, const LawArgs& args) {
           most[q] = soft * trial[q];
         }
         const auto parts = S::lt(delta, S::select(S::gt(vn, zero), step, zero));
-        tangential_ledger<S>(b, k, {stiffness, stiffness * (moved / radius), mid * ct, slid, parts, counted}, false,
+        tangential_ledger<S>(b, k, {stiffness, stiffness * (reach / radius), mid * ct, time, parts, counted}, false,
                              way, most, t);
-        const B kept = S::select(S::lt(radius, last), rescale, last / moved);
-        const B released = half * (before * (one - kept) + h2 * (one / moved - one / radius)) / c.kt;
+        const B kept = S::select(S::lt(radius, last), rescale, last / reach);
+        const B released = half * (before * (one - kept) + h2 * (one / reach - one / radius)) / c.kt;
         S::store(b.e[2] + k, S::load(b.e[2] + k) + released);
       }
       S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));

@@ -115,6 +115,73 @@ TEST(PhysicsContactPath, RandomClosedLoopsNeverCreateEnergy) {
   EXPECT_GT(lowest, -1e-6);  // 1000 steps per side
 }
 
+TEST(PhysicsContactPath, SlidingHeatsTheSliderAndNotTheDashpot) {
+  // Spins drive a contact of fixed overlap steadily: after the first steps all work is friction, |F_t| times the way.
+  for (const bool hertz : {false, true}) {
+    Scene s = law_scene(hertz, 0.3, 1e-6);
+    if (hertz)
+      hertz_law(s, 0.5, 0.3);
+    else
+      linear_law(s, 1e5, 800, 8e4, 800, 0.3);
+    KernelContact contact(s, k_radius, k_radius, 2 / sphere_mass(2500, k_radius));
+    const double d = 2 * k_radius * (1 - 5e-4), spin = 0.5;
+    double work = 0, friction = 0, damping = 0;
+    for (int k = 0; k < 4000; ++k) {
+      const auto r = contact.step({0, 0, d}, {0, 0, 0}, {0, spin, 0});
+      if (k < 2000) continue;
+      work += std::fabs(r.force.x) * (d / (2 * k_radius)) * spin * s.dt;
+      friction += r.friction;
+      damping += r.damping;
+    }
+    const std::string law = hertz ? "hertz" : "linear";
+    figure(law + ", steady sliding: friction loss / work - 1", friction / work - 1);
+    figure(law + ", steady sliding: damping loss / work", damping / work);
+    EXPECT_GT(work, 0);
+    EXPECT_NEAR(friction / work, 1, 1e-6);
+    EXPECT_LT(std::fabs(damping), 1e-6 * work);
+  }
+}
+
+/// Losses of a grain that starts to slide on a plane at `speed`, over m v^2/7: what sliding takes until it rolls,
+/// whatever the friction.
+struct Stopped {
+  double friction, damping;
+};
+
+Stopped slide_to_rolling(bool hertz, double speed) {
+  const double r = k_radius, g = 9.81, mu = 0.3;
+  Scene s = law_scene(hertz, mu, 2e-6);
+  if (hertz)
+    hertz_law(s, 0.5, mu);
+  else
+    linear_law(s, 1e5, 800, 8e4, 800, mu);
+  s.contact.friction = true;
+  s.gravity = {0, 0, -g};
+  s.output.energies = s.allow_initial_overlap = true;
+  s.walls = {plane("floor", {0, 0, 0}, {0, 0, 1})};
+  const double m = sphere_mass(2500, r);
+  const double e_star = 0.5 * 1e8 / (1 - 0.0625);
+  const double rest = hertz ? std::pow(m * g / (4.0 / 3.0 * e_star * std::sqrt(r)), 2.0 / 3.0) : m * g / 1e5;
+  add_grains(s, {{{0.1, 0.5, r - rest}, {speed, 0, 0}, r}});
+  Simulation sim(s, options());
+  // v - w r falls at 7/2 mu g: rolls after 2/7 v/(mu g)
+  sim.run(std::llround(1.5 * (2.0 / 7.0) * speed / (mu * g) / s.dt));
+  const Energies e = sim.energies();
+  const double sliding = m * speed * speed / 7;
+  return {e.dissipated_friction / sliding, e.dissipated_damping / sliding};
+}
+
+TEST(PhysicsContactPath, SlidingToRollingIsBookedAsFriction) {
+  for (const bool hertz : {false, true}) {
+    const Stopped b = slide_to_rolling(hertz, 0.5);
+    const std::string law = hertz ? "hertz" : "linear";
+    figure(law + ", from sliding to rolling: friction loss / (m v^2/7)", b.friction);
+    figure(law + ", from sliding to rolling: damping loss / (m v^2/7)", b.damping);
+    EXPECT_NEAR(b.friction, 1, 1e-2);
+    EXPECT_LT(std::fabs(b.damping), 1e-2);
+  }
+}
+
 /// Rigid rotation of a touching pair about an axis through its centre, with spins: largest tangential force over one
 /// turn relative to k_t times the arc that the contact point travels.
 double rigid_rotation(bool hertz, bool synchronised, Vec3 axis, int steps) {
