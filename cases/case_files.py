@@ -25,9 +25,10 @@ def write_stl(path, triangles):
 
 
 def write_particles(path, x, radius):
-    """CSV table of grains at rest, gzip by its name; the gzip header carries no time."""
+    """CSV table of grains at rest, gzip by its name; the gzip header carries no time. Lengths are rounded to a nanometre:
+    the last digits of sines and exponentials depend on the processor."""
     lines = ["x,y,z,radius,vx,vy,vz"]
-    lines += [",".join(repr(float(v)) for v in (*row, r)) + ",0,0,0" for row, r in zip(x, radius)]
+    lines += [",".join(repr(round(float(v), 9)) for v in (*row, r)) + ",0,0,0" for row, r in zip(x, radius)]
     data = ("\n".join(lines) + "\n").encode()
     replace(path, gzip.compress(data, 6, mtime=0) if path.endswith(".gz") else data)
     return len(radius)

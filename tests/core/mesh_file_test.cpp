@@ -71,6 +71,51 @@ TEST(MeshFile, NeedlesUpToAMillionAreNotDegenerate) {
   EXPECT_EQ(m.facets.size(), 1u);
 }
 
+TEST(MeshFile, SliversThatTheRoundingOfTheFileMakesAreDroppedAndSmallFacetsStay) {
+  // coordinates near 1000 with three decimals: what is lower than half a unit of the last place, 0.5e-3, may be
+  // rounding
+  const auto dropped = [](const char* a, const char* b, const char* c, double scale) {
+    const std::string good = "v 1000.000 5.000 0\nv 1003.123 5.000 0\nv 1000.000 9.000 0\nf 1 2 3\n";
+    const Mesh m = parse("a.obj", good + "v " + a + " 0\nv " + b + " 0\nv " + c + " 0\nf 4 5 6\n", {scale, {}, {}});
+    EXPECT_NEAR(m.report.rounding, 1e-3 * scale, 1e-6 * scale);
+    return m.report.degenerate;
+  };
+  for (const double scale : {1.0, 0.001, 1000.0}) {
+    // the line from the first to the second rises by a unit: the third is 0.25, then 0.75 units off it
+    EXPECT_EQ(dropped("1000.000 0.000", "1001.000 0.001", "1000.250 0.000", scale), 1) << scale;
+    EXPECT_EQ(dropped("1000.000 0.000", "1001.000 0.001", "1000.250 0.001", scale), 0) << scale;
+    // a third of a unit high, but three units long: this is no sliver, it is small
+    EXPECT_EQ(dropped("1000.000 0.000", "1000.003 0.001", "1000.001 0.000", scale), 0) << scale;
+  }
+  // the same sliver near the origin, where three decimals say more than they round
+  const std::string near = "v 0.000 0.000 0\nv 1.000 0.001 0\nv 0.250 0.000 0\nf 1 2 3\n";
+  EXPECT_EQ(parse("a.obj", near).report.degenerate, 0);
+}
+
+TEST(MeshFile, AMeshInMillimetresActsAsTheOneInMetres) {
+  // a plate at z = 0.125 after the shift, and grains of 0.05 m on it, beside it and away from it
+  const auto wall = [](double unit) {
+    std::vector<Vec3> p{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+    for (Vec3& x : p) x = unit * x;
+    WallSpec w = wall_test::mesh_wall(wall_test::write_obj("plate.obj", p, {{0, 1, 2}, {1, 3, 2}}));
+    w.scale = 1 / unit;
+    w.shift = {0.25, -0.5, 0.125};
+    return WallSet(wall_test::scene_with({w}), 0.1);
+  };
+  for (const double unit : {1.0, 1000.0}) {
+    const WallSet walls = wall(unit);
+    const auto on = wall_test::touch(walls, {0.5, 0, 0.165}, 0.05),
+               rim = wall_test::touch(walls, {1.28, 0, 0.125}, 0.05);
+    ASSERT_EQ(on.size(), 1U) << unit;
+    EXPECT_NEAR(on[0].distance, 0.04, 1e-15);
+    EXPECT_NEAR(on[0].normal.z, 1, 1e-15);
+    ASSERT_EQ(rim.size(), 1U) << unit;
+    EXPECT_NEAR(rim[0].distance, 0.03, 1e-15) << "the plate ends at x = 1.25";
+    EXPECT_EQ(wall_test::touch(walls, {0.5, 0, 0.18}, 0.05).size(), 0U);
+    EXPECT_EQ(wall_test::touch(walls, {1.31, 0, 0.125}, 0.05).size(), 0U);
+  }
+}
+
 TEST(MeshFile, FlippedFacetsAndForkedEdgesAreCounted) {
   auto t = tetrahedron();
   std::swap(t[1][0], t[1][1]);
