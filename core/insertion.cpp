@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 
+#include "core/count.hpp"
 #include "core/det_math.hpp"
 #include "core/error.hpp"
 #include "core/region.hpp"
@@ -177,6 +178,18 @@ std::vector<std::uint8_t> Insertion::save() const {
   return bytes;
 }
 
+void Insertion::check_state() const {
+  bool good = inserted_ >= 0 && inserted_ <= k_most_count;
+  for (const SourceState& s : state_) {
+    for (const std::int64_t count : {s.drawn, s.number, s.batches}) good = good && count >= 0 && count <= k_most_count;
+    // what is owed may grow without limit where there is no room, and falls below zero by rounding
+    good = good && s.mass >= 0 && s.mass < k_never && s.carry > -1 && s.carry < k_never;
+  }
+  if (!good)
+    throw Error(ErrorCode::io, "no run can have left such numbers of its sources", "section 'insertion'",
+                "resume from another checkpoint of this scene");
+}
+
 void Insertion::load(std::span<const std::uint8_t> bytes) {
   std::size_t at = 0;
   const auto get = [&](auto& value) {
@@ -197,6 +210,7 @@ void Insertion::load(std::span<const std::uint8_t> bytes) {
     get(s.batches);
     get(s.carry);
   }
+  check_state();
 }
 
 }  // namespace talus

@@ -82,6 +82,7 @@ class Insertion {
     std::int64_t batches = 0;  ///< batches tried
     double carry = 0;          ///< fraction of a particle (or kg) owed by a rate
   };
+  void check_state() const;  ///< Error{io}: numbers that no run can have left
   struct Site;  ///< where a particle may go (insertion_fill.cpp)
   // insertion_limits.cpp
   void check_region(std::size_t source) const;

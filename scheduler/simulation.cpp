@@ -2,8 +2,10 @@
 #include "scheduler/simulation.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
+#include "core/count.hpp"
 #include "core/error.hpp"
 #include "scheduler/available_cores.hpp"
 #include "scheduler/parallel.hpp"
@@ -137,6 +139,18 @@ struct Meta {
   double removed_mass, gravity[3], losses[3], wall_work, drive_power, gravity_work, inserted_energy, start_energy,
       start_known, dt;
 };
+
+/// Counts and sums of a state that some run can have had, and the number of rows that the file holds.
+void check_meta(const Meta& m, const Scene& scene, const CheckpointReader& in) {
+  const std::size_t bytes = in.section("position").size();
+  bool good = m.n >= 0 && m.n <= (std::int64_t{1} << 30) && bytes == 32 * static_cast<std::size_t>(m.n);
+  for (const std::int64_t count : {m.step, m.next_id, m.inserted, m.removed})
+    good = good && count >= 0 && count <= k_most_count;
+  good = good && m.next_event >= 0 && m.next_event <= static_cast<std::int64_t>(scene.events.size());
+  const double* first = &m.removed_mass;
+  for (const double* x = first; x <= &m.dt; ++x) good = good && std::isfinite(*x);
+  if (!good) throw Error(ErrorCode::io, "section 'meta': no run can have had such counts or sums", in.path());
+}
 
 /// A wall contact as checkpoints hold it, beside its history of rolling and twisting.
 struct WallRecord {
@@ -281,6 +295,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
       m.materials != static_cast<std::int64_t>(scene.materials.size()) || m.dt != scene.dt)
     throw Error(ErrorCode::io, "the checkpoint belongs to another scene (contact law, materials or time step differ)",
                 in.path());
+  check_meta(m, scene, in);
   set_particle_capacity(w, static_cast<Row>(m.n));
   const auto get = [&](const char* name, void* to, std::size_t bytes) {
     const auto s = in.section(name);
@@ -317,6 +332,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   w.work_before = w.work;
   if (in.has("planes")) w.planes.load(in.section("planes"), in.path());
   w.insertion->load(in.section("insertion"));
+  check_restored_rows(w, in.path());
   w.alive = 0;
   for (Row i = 0; i < w.n; ++i) {
     if (w.is_alive(i)) {
@@ -332,12 +348,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
   make_chunks(w);
   std::vector<ContactEntry> contacts = read_contacts(w, in);
   std::vector<WallEntry> wall_entries = read_walls(w, in, walls);
-  for (const ContactEntry& e : contacts)
-    if (e.a < 0 || e.b < 0 || e.a >= w.n || e.b >= w.n)
-      throw Error(ErrorCode::io, "a contact names a particle that does not exist", in.path());
-  for (const WallEntry& s : wall_entries)
-    if (s.row < 0 || s.row >= w.n || s.contact.wall >= w.walls.size())
-      throw Error(ErrorCode::io, "a wall contact does not fit the scene", in.path());
+  check_restored_contacts(w, contacts, wall_entries, in.path());
   if (w.has.walls) w.walls.set_step(w.step, w.scene.dt);
   with_threads(w, [&] {
     distribute_contacts(w, contacts, wall_entries);

@@ -366,6 +366,12 @@ std::vector<ContactEntry> contacts_of(const World& w, const Chunk& c);
 std::vector<WallEntry> collect_wall_states(const World& w);
 std::uint64_t state_hash(const World& w);
 
+// --- restored_state.cpp ---------------------------------------------------------------------------------------------
+/// Rows of a checkpoint, once `next_id` and the rules of the scene are known. Error{io}.
+void check_restored_rows(const World& w, const std::string& path);
+void check_restored_contacts(const World& w, const std::vector<ContactEntry>& contacts,
+                             const std::vector<WallEntry>& walls, const std::string& path);
+
 // --- rebuild.cpp, cell_grid.cpp, sort_epoch.cpp, hand_over.cpp ------------------------------------------------------
 /// Gives the contacts of a checkpoint to their chunks, for the rebuild that has to follow.
 void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, const std::vector<WallEntry>& walls);
