@@ -11,8 +11,8 @@
 
 #include "cases/cli.hpp"
 #include "cases/cli_console.hpp"
-#include "cases/cli_signal.hpp"
 #include "cases/cli_reference.hpp"
+#include "cases/cli_signal.hpp"
 #include "cases/cli_usage.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
