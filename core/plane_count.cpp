@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <utility>
 
 #include "core/error.hpp"
 
@@ -62,7 +63,8 @@ int CountedPlane::jumps(const double* a, const double* b) const noexcept {
     for (int q = 0; q < n; ++q) sum += jump[static_cast<std::size_t>(q)].upwards ? -1 : 1;
     return sum;
   }
-  std::sort(jump.begin(), jump.begin() + n, [](const Jump& l, const Jump& r) { return l.time < r.time; });
+  for (const auto& [l, r] : {std::pair<std::size_t, std::size_t>{0, 1}, {1, 2}, {0, 1}})  // in order of time
+    if (static_cast<int>(r) < n && jump[r].time < jump[l].time) std::swap(jump[l], jump[r]);
   Vec3 shift;
   for (int q = 0; q < n; ++q) {
     const Jump& j = jump[static_cast<std::size_t>(q)];
