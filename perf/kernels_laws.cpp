@@ -169,7 +169,7 @@ void run_moments(benchmark::State& state, const KernelTable& t, const MomentCase
   std::memset(b.history, 0, sizeof b.history);
   for (int q = 0; q < k_max_moment; ++q) m.h[q] = b.history[q];
   MomentArgs args{};
-  args.one = {0.3, 0.3, 0.2, 0.3, 0, 0};
+  args.one = {0.3, 0.3, 0.2, 0.3, 0};
   args.dt = b.args.dt;
   args.rolling = c.rolling;
   args.twisting = c.twisting;

@@ -156,6 +156,8 @@ LawArgs law_args(Values& s, ContactModel model) {
   a.synchronised = s.flag();
   a.contact_lever = s.flag();
   a.clip = s.flag();
+  a.total = s.flag();
+  a.start = s.flag();
   a.balanced = model == ContactModel::linear ? s.flag() : 0;
   return a;
 }
@@ -208,9 +210,7 @@ void check_law(Values& s, ContactModel model) {
 
 void check_moments(Values& s) {
   MomentArgs a{};
-  a.one = {s.between(0.01, 0.5), s.between(0, 0.5),          s.between(0.01, 0.5),
-           s.between(0, 0.5),    s.flag() * s.between(0, 2), 0};
-  std::swap(a.one.torsion, a.one.press);
+  a.one = {s.between(0.01, 0.5), s.between(0, 0.5), s.between(0.01, 0.5), s.between(0, 0.5), 0};
   a.dt = 1e-3;
   a.rolling = s.below(3);
   a.twisting = s.flag();
@@ -219,10 +219,9 @@ void check_moments(Values& s) {
   const auto c = std::make_unique<Contact>(s, 1e-4, 2e-2);
   const KernelTable& k = select_kernels(Isa::scalar);
   const Block b = c->gathered(k, true);
-  const Vec3 force{s.between(-5, 5), s.between(-5, 5), s.between(-5, 5)};
-  const double stiffness = s.between(50, 150);
-  for (int q = 0; q < 3; ++q) c->r[q][0] = force[q];
+  const double pressing = s.flag() * s.between(0, 5), stiffness = s.between(50, 150);
   c->r[3][0] = stiffness;
+  c->r[7][0] = pressing;
   k.spin({c->p, c->v, c->i, c->j, 1, c->s});
   MomentBlock m{};
   m.n = 1;
@@ -242,10 +241,8 @@ void check_moments(Values& s) {
   const Vec3 found{c->s[0][0], c->s[1][0], c->s[2][0]};
   const auto sides = {0.0, -k_switch, k_switch};
   for (const double press : sides) {
-    AddOnParameters one = a.one;
-    one.press *= 1 + press;
     reference::MomentHistory h{c->rolling, c->twisting, c->stiffness};
-    const Vec3 wanted = reference::moments(c->pair, (1 + press) * force, stiffness, one, a, h);
+    const Vec3 wanted = reference::moments(c->pair, (1 + press) * pressing, stiffness, a.one, a, h);
     const double tolerance = press == 0 ? 1e-11 : 100 * k_switch;
     bool same = near(found, wanted, tolerance);
     if (a.rolling == 2) same = same && near({c->h[0][0], c->h[1][0], c->h[2][0]}, h.rolling, tolerance);

@@ -167,7 +167,7 @@ AddOns add_ons(Values& s, const LawArgs& law) {
   AddOns a;
   a.turning = s.flag() != 0;
   a.pulling = s.flag() != 0;
-  a.moments.one = {s.between(0, 1), s.between(0, 1), s.between(0, 1), s.between(0, 1), s.between(0, 1), 0};
+  a.moments.one = {s.between(0, 1), s.between(0, 1), s.between(0, 1), s.between(0, 1), 0};
   a.moments.dt = law.dt;
   a.moments.rolling = s.below(3);
   a.moments.twisting = s.flag();
