@@ -63,7 +63,7 @@ TEST_F(Install, CompletionsKnowCommandsOptionsKeysAndTopics) {
   EXPECT_EQ(completed("talus ru"), "run");
   EXPECT_EQ(completed("talus run --thr"), "--threads");
   EXPECT_EQ(completed("talus check --resu"), "") << "an option of run alone";
-  EXPECT_EQ(completed("talus run x.toml --set contact.frict"), "contact.friction=");
+  EXPECT_EQ(completed("talus run x.toml --set contact.frict"), "contact.friction= contact.friction_limit=");
   EXPECT_EQ(completed("talus run x.toml --set source.0.size.dia"), "source.0.size.diameter=");
   EXPECT_EQ(completed("talus run --isa avx5"), "avx512");
   EXPECT_EQ(completed("talus help outp"), "output");

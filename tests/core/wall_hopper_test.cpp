@@ -51,7 +51,7 @@ TEST(HopperCase, EverySceneBuildsItsWallsAndKeepsItsStepAboveTwentyPerContact) {
     EXPECT_LT(static_cast<double>(s.sources[0].number) * M_PI / 6 * 130e-9 / volume, 0.42) << entry.path();
     ++scenes;
   }
-  EXPECT_EQ(scenes, 8);
+  EXPECT_EQ(scenes, 9);
 }
 
 TEST(HopperCase, MeshAndPrimitiveWallsAgreeToTheFaceting) {
