@@ -13,8 +13,8 @@ constexpr std::int64_t k_least_steps = 8;
 constexpr double k_stalled = 0.2;  // share of a window lost in stalls beyond which fewer threads are tried
 constexpr double k_gain = 0.95;    // fewer threads are kept where a step takes less than this of the time
 constexpr double k_first_hold = 0.5, k_longest_hold = 5;  // [s]
-constexpr double k_believed = 0.1;                         // of regular steps before a load is taken to be gone [s]
-constexpr int k_most_repeats = 2;                          // of a trial that stalls itself
+constexpr double k_believed = 0.1;                        // of regular steps before a load is taken to be gone [s]
+constexpr int k_most_repeats = 2;                         // of a trial that stalls itself
 
 }  // namespace
 
