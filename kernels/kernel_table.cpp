@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "core/det_math.hpp"
-#include "core/error.hpp"
-#include "core/restitution.hpp"
+#include "core/base/det_math.hpp"
+#include "core/base/error.hpp"
+#include "core/rules/restitution.hpp"
 
 namespace talus {
 

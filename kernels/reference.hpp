@@ -2,7 +2,7 @@
 // papers. Who calls it: tests only. It shares no code with the kernels, so agreement means something.
 #pragma once
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 #include "kernels/views.hpp"
 
 namespace talus::reference {

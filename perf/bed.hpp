@@ -16,12 +16,12 @@
 #include <string>
 #include <vector>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/particle_file.hpp"
-#include "core/io/scene_file.hpp"
+#include "core/scene/scene_file.hpp"
 #include "paths.hpp"
 #include "scheduler/simulation.hpp"
-#include "scheduler/world.hpp"
+#include "scheduler/step/world.hpp"
 
 namespace talus::perf {
 

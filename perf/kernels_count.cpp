@@ -1,7 +1,7 @@
 // Kernels of a number type that counts its arithmetic: the flops, divisions and roots of the microbenchmarks come from
 // the kernels' own source. Who calls it: count_once() in kernels_measure.hpp. Invariant: results are those of the
 // scalar kernels, so a counted call leaves the state as a timed one does.
-#include "kernels/table.hpp"
+#include "kernels/isa/table.hpp"
 #include "perf/kernels_measure.hpp"
 
 namespace talus::perf {

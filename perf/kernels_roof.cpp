@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 #include "perf/kernels_measure.hpp"
 
 namespace talus::perf {

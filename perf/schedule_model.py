@@ -4,7 +4,7 @@ Who calls it: schedule.py. No I/O except reading the trace; the same seed gives 
 
 The model. A step is: displacement_check (serial), the lanes (one per core), in each lane for one chunk after another
 narrow_phase -> contact_force -> (wall_contact) -> integrate until none is left, a join. After a step without a rebuild lanes wait for
-the next one in place (scheduler/step_gate.hpp) and see it begin one after another; after a rebuild they are handed out as tasks, as
+the next one in place (scheduler/team/step_gate.hpp) and see it begin one after another; after a rebuild they are handed out as tasks, as
 are the blocks of its loops. A rebuild is the sequence of serial parts and parallel loops that the trace shows. Durations
 are those measured, chunk by chunk; a larger system draws from them. Scheduling of tasks follows oneTBB 2021.8 (its sources):
   - a finished node runs one ready successor on the same thread at once and puts the others at the end of its own queue; the owner
@@ -12,7 +12,7 @@ are those measured, chunk by chunk; a larger system draws from them. Scheduling 
   - a thread without work picks one victim at random; a failed attempt costs a pause of 1000 cycles; after some hundred failures it
     falls asleep, and waking it costs `wake`;
   - taking tasks out of one queue is serialised by its lock.
-Which chunk a lane works on is the engine's choice (scheduler/shares.cpp): its thread takes the next chunk of its own share of
+Which chunk a lane works on is the engine's choice (scheduler/team/shares.cpp): its thread takes the next chunk of its own share of
 consecutive chunks, or the last one of the fullest share when its own is used up. Recorded chunks have equal cost to the
 engine's estimate, as in a run with threads; what they really cost is in the trace.
 Memory: traffic beyond the caches shares the node's bandwidth; a chunk cannot finish faster than its share allows.

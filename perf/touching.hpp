@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "perf/bed.hpp"
-#include "scheduler/contact_blocks.hpp"
+#include "scheduler/nodes/contact_blocks.hpp"
 
 namespace talus::perf {
 

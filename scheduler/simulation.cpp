@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/count.hpp"
-#include "core/error.hpp"
-#include "scheduler/available_cores.hpp"
-#include "scheduler/parallel.hpp"
-#include "scheduler/world.hpp"
+#include "core/base/count.hpp"
+#include "core/base/error.hpp"
+#include "scheduler/step/world.hpp"
+#include "scheduler/team/available_cores.hpp"
+#include "scheduler/team/parallel.hpp"
 
 namespace talus {
 

@@ -1,5 +1,5 @@
 // Simulation: the engine's public face. Owns particles, lists, contacts, walls, sources and the step graph.
-// Who calls it: cases/talus.cpp, tests, perf. Only scheduler/*.cpp sees TBB.
+// Who calls it: cases/program/talus.cpp, tests, perf. Only scheduler/*.cpp sees TBB.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "core/frame.hpp"
+#include "core/frame/frame.hpp"
+#include "core/frame/plane_count.hpp"
 #include "core/io/checkpoint.hpp"
-#include "core/io/mesh_file.hpp"
-#include "core/plane_count.hpp"
-#include "core/scene.hpp"
-#include "core/timestep.hpp"
+#include "core/meshes/mesh_file.hpp"
+#include "core/rules/timestep.hpp"
+#include "core/scene/scene.hpp"
 
 namespace talus {
 
@@ -108,7 +108,7 @@ struct FrameRequest {
 class Simulation {
  public:
   /// Builds everything for step 0. Errors: Error{scene}, also for a time step above the packing limit that the scene
-  /// does not allow, or in which a wall or grain goes too far (time_step_limits() in core/timestep.hpp);
+  /// does not allow, or in which a wall or grain goes too far (time_step_limits() in core/rules/timestep.hpp);
   /// Error{physics}.
   Simulation(const Scene& scene, const RunOptions& options);
   /// Continues from a checkpoint of the same scene (any threads, ISA, chunk, policy, K), or of one that differs where
@@ -154,7 +154,7 @@ class Simulation {
   void write_trace(const std::string& path) const;                 ///< Chrome trace JSON. Error{io}
   void save(CheckpointWriter& out) const;
   std::size_t bytes() const;  ///< memory of all arrays
-  World& world() noexcept;    ///< everything behind this object, for the microbenchmarks (scheduler/world.hpp)
+  World& world() noexcept;    ///< everything behind this object, for the microbenchmarks (scheduler/step/world.hpp)
 
  private:
   struct Impl;

@@ -46,7 +46,7 @@ target_link_libraries(app Talus::Talus)
 END
 cat >app/app.cpp <<'END'
 #include <cstdio>
-#include "core/io/scene_file.hpp"
+#include "core/scene/scene_file.hpp"
 #include "scheduler/simulation.hpp"
 int main(int, char** argv) {
   const talus::Scene scene = talus::load_scene(argv[1]);

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <utility>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/input_file.hpp"
 #include "core/io/scratch.hpp"
 

@@ -1,7 +1,7 @@
 // Checkpoint container: named binary sections with one xxh3 checksum each. File layout, little endian:
 // magic "TALUSCP1", uint32 section count, then per section {uint16 name length, name, uint64 size, uint64 xxh3, bytes},
-// then xxh3 of everything before. Written as scratch file -> fsync -> rename -> fsync(directory), so that a reader sees the
-// old or the new file, never a torn one. Bytes hold no date, host, thread count or ISA (R2).
+// then xxh3 of everything before. Written as scratch file -> fsync -> rename -> fsync(directory), so that a reader sees
+// the old or the new file, never a torn one. Bytes hold no date, host, thread count or ISA (R2).
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 
 namespace talus {
 
@@ -37,7 +37,9 @@ class CheckpointWriter {
     add_section({std::move(name), {}, {reinterpret_cast<const std::uint8_t*>(data), n * sizeof(T)}});
   }
   template <class T>
-  void add_value(std::string name, const T& v) { add_array(std::move(name), &v, 1); }
+  void add_value(std::string name, const T& v) {
+    add_array(std::move(name), &v, 1);
+  }
   /// Writes atomically and durably. Error{io} names the path, the system's reason and leaves the old file untouched.
   void commit(const std::string& path) const;
 
@@ -60,14 +62,16 @@ class CheckpointReader {
   template <class T, class C>
   void read_array(std::string_view name, C& out) const {
     auto s = section(name);
-    if (s.size() % sizeof(T) != 0) throw Error(ErrorCode::io, "section '" + std::string(name) + "' has a wrong size", path_);
+    if (s.size() % sizeof(T) != 0)
+      throw Error(ErrorCode::io, "section '" + std::string(name) + "' has a wrong size", path_);
     out.resize(s.size() / sizeof(T));
     if (!s.empty()) std::memcpy(out.data(), s.data(), s.size());
   }
   template <class T>
   T read_value(std::string_view name) const {
     auto s = section(name);
-    if (s.size() != sizeof(T)) throw Error(ErrorCode::io, "section '" + std::string(name) + "' has a wrong size", path_);
+    if (s.size() != sizeof(T))
+      throw Error(ErrorCode::io, "section '" + std::string(name) + "' has a wrong size", path_);
     T v;
     std::memcpy(&v, s.data(), sizeof(T));
     return v;

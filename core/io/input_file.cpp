@@ -10,7 +10,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "core/memory.hpp"
+#include "core/base/memory.hpp"
 
 namespace talus {
 namespace {

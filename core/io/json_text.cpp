@@ -1,7 +1,7 @@
 // See json_text.hpp.
 #include "core/io/json_text.hpp"
 
-#include "core/text.hpp"
+#include "core/base/text.hpp"
 
 namespace talus {
 namespace {

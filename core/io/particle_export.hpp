@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
-#include "core/frame.hpp"
-#include "core/scene.hpp"
+#include "core/frame/frame.hpp"
+#include "core/scene/scene.hpp"
 
 namespace talus {
 

@@ -10,10 +10,10 @@
 #include <memory>
 #include <new>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
+#include "core/base/memory.hpp"
 #include "core/io/input_file.hpp"
 #include "core/io/particle_formats.hpp"
-#include "core/memory.hpp"
 
 namespace talus {
 namespace {

@@ -1,5 +1,5 @@
-// Initial states from files. Who calls it: core/insertion.cpp. Invariants: rows keep their order (LAMMPS: ascending
-// id); every value is finite and every radius positive on return; every error names file and row.
+// Initial states from files. Who calls it: core/grains/insertion.cpp. Invariants: rows keep their order (LAMMPS:
+// ascending id); every value is finite and every radius positive on return; every error names file and row.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/scene.hpp"
-#include "core/types.hpp"
+#include "core/base/types.hpp"
+#include "core/scene/scene.hpp"
 
 namespace talus {
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/vtkhdf.hpp"
 
 namespace talus {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/frame.hpp"
+#include "core/frame/frame.hpp"
 #include "core/io/vtp_reader.hpp"
 
 namespace talus {

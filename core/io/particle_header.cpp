@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "core/io/scene_keys.hpp"
+#include "core/scene/scene_keys.hpp"
 
 namespace talus::particle_text {
 

@@ -7,7 +7,7 @@
 
 #include "core/io/particle_formats.hpp"
 #include "core/io/particle_text.hpp"
-#include "core/io/scene_keys.hpp"
+#include "core/scene/scene_keys.hpp"
 
 namespace talus {
 namespace {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/error.hpp"
-#include "core/text.hpp"
+#include "core/base/error.hpp"
+#include "core/base/text.hpp"
 
 namespace talus::particle_text {
 

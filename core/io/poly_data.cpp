@@ -1,8 +1,8 @@
 // Frames as PolyData; see poly_data.hpp.
 #include "core/io/poly_data.hpp"
 
-#include "core/error.hpp"
-#include "core/scene.hpp"
+#include "core/base/error.hpp"
+#include "core/scene/scene.hpp"
 
 namespace talus {
 

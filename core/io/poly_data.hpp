@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/frame.hpp"
+#include "core/frame/frame.hpp"
 
 namespace talus {
 

@@ -9,7 +9,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "core/rng.hpp"
+#include "core/base/rng.hpp"
 
 namespace talus {
 namespace {

@@ -11,9 +11,9 @@
 #include <filesystem>
 #include <utility>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/atomic_file.hpp"
-#include "core/scene.hpp"
+#include "core/scene/scene.hpp"
 
 namespace talus {
 

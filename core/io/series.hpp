@@ -17,10 +17,10 @@
 #include <string>
 #include <vector>
 
-#include "core/averages.hpp"
-#include "core/frame.hpp"
+#include "core/frame/averages.hpp"
+#include "core/frame/frame.hpp"
+#include "core/frame/plane_count.hpp"
 #include "core/io/watched_file.hpp"
-#include "core/plane_count.hpp"
 
 namespace talus {
 
@@ -61,8 +61,8 @@ class SeriesWriter {
   SeriesWriter(SeriesWriter&&) noexcept;
   SeriesWriter& operator=(SeriesWriter&&) noexcept;
 
-  /// Appends one row. Error{io}: sizes that do not fit, a step not after last_step(), the file was deleted or changed by
-  /// others, or a write failure (the file then still ends with the row before).
+  /// Appends one row. Error{io}: sizes that do not fit, a step not after last_step(), the file was deleted or changed
+  /// by others, or a write failure (the file then still ends with the row before).
   void append(const SeriesRow& row);
   /// Of a run that goes on from a checkpoint without the rows before: the means of the first row count from here.
   void start_from(const SeriesRow& row);

@@ -6,10 +6,10 @@
 
 #include <cmath>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
+#include "core/base/text.hpp"
 #include "core/io/atomic_file.hpp"
 #include "core/io/json_text.hpp"
-#include "core/text.hpp"
 
 namespace talus {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/io/mesh_file.hpp"
+#include "core/meshes/mesh_file.hpp"
 
 namespace talus {
 
@@ -30,7 +30,7 @@ struct Summary {
   std::int64_t first_step = 0, last_step = 0;
   double dt = 0, simulated_time = 0;  ///< [s]
   double wall_s = 0, particle_steps_per_s = 0;
-  std::vector<Node> nodes;  ///< empty unless profiled
+  std::vector<Node> nodes;           ///< empty unless profiled
   std::optional<std::int64_t> cuts;  ///< list policy outer_inner: inner lists cut out of outer ones, beside rebuilds
   std::int64_t rebuilds = 0, rebuilds_skin = 0, rebuilds_forced = 0, shortest_interval = 0;
   double mean_interval = 0;                 ///< steps per rebuild
@@ -38,7 +38,7 @@ struct Summary {
   std::int64_t sort_epochs = 0;
   std::int64_t candidate_pairs = 0, contacts = 0, wall_contacts = 0;
   std::int64_t inserted = 0, removed = 0;
-  double removed_mass = 0;                                       ///< [kg]
+  double removed_mass = 0;  ///< [kg]
   /// Passages through a flux plane since the start of the trajectory.
   struct Plane {
     std::string name;
@@ -46,7 +46,7 @@ struct Summary {
     double mass = 0;                                        ///< the same of masses [kg]
   };
   std::vector<Plane> planes;
-  std::optional<std::uint64_t> planes_hash;  ///< over the planes and their counts; only with planes
+  std::optional<std::uint64_t> planes_hash;     ///< over the planes and their counts; only with planes
   std::optional<std::int64_t> late_detections;  ///< not counted: the list is checked at every step
   std::optional<std::int64_t> missed_contacts;  ///< only if audited
   double bytes_per_particle = 0;

@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/hdf5_handle.hpp"
 #include "core/io/hdf5_journal.hpp"
 #include "core/io/scratch.hpp"

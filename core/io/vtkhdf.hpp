@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/frame.hpp"
+#include "core/frame/frame.hpp"
 #include "core/io/poly_data.hpp"
 
 namespace talus {
@@ -30,7 +30,7 @@ class VtkHdfWriter {
   /// Appends one frame and flushes. Error{io}: no room (the file is as before), the file was deleted or changed by
   /// others, write failure, missing column, or a step not after last_step().
   void append(const Frame& frame);
-  void check() const;  ///< Error{io} if the file was deleted, replaced or truncated by others
+  void check() const;                       ///< Error{io} if the file was deleted, replaced or truncated by others
   std::int64_t frames() const noexcept;     ///< in the file
   std::int64_t last_step() const noexcept;  ///< step of the last frame, -1 if none
 

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/hdf5_handle.hpp"
 #include "core/io/vtkhdf.hpp"
 

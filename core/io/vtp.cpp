@@ -7,7 +7,7 @@
 #include <charconv>
 #include <filesystem>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/atomic_file.hpp"
 #include "core/io/watched_file.hpp"
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <string_view>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/atomic_file.hpp"
 
 namespace talus {

@@ -1,6 +1,6 @@
 // Cohesion "sjkr" (simplified JKR): an attraction proportional to the contact area, added to the force of any law and
-// acting while the grains overlap. Instantiated by isa_*.cpp; called by scheduler/add_ons.cpp for scenes that ask for
-// it.
+// acting while the grains overlap. Instantiated by isa_*.cpp; called by scheduler/nodes/add_ons.cpp for scenes that ask
+// for it.
 //   F = -c A n,  A = -pi/4 (d - r_i - r_j)(d + r_i - r_j)(d - r_i + r_j)(d + r_i + r_j) / d^2
 // (the disc in which two spheres intersect; with a wall A = pi (r^2 - d^2)), c the cohesion energy density [J/m3].
 // The force rows and the elastic energy are added to; Coulomb's and the rolling limit keep the law's own normal force,

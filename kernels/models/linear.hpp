@@ -31,8 +31,8 @@
 // Reads kn, kt [N/m], gn, gt [1/s] (or 2 beta [-] with by_restitution), mu.
 #pragma once
 
-#include "kernels/narrow.hpp"
-#include "kernels/simd.hpp"
+#include "kernels/passes/narrow.hpp"
+#include "kernels/simd/simd.hpp"
 #include "kernels/views.hpp"
 
 namespace talus::kernels {
@@ -106,7 +106,7 @@ TALUS_INLINE auto lacks_prediction(typename S::B q) {
 /// velocity that the pair alone would have now, so a_ext dt = (vn - q) - dt v_t^2/d of that step (the last term: the
 /// normal has turned; v_t^2 dt/d = 2 (vn - along) - stretch). In an impact of two free spheres a_ext is 0 to rounding;
 /// at rest it is -F_n/m_eff and the force is k delta. The feedback is one step late; what that costs in stability is in
-/// core/timestep.cpp. q = 0: a new contact. One that has just touched has no history to miss; one that starts in
+/// core/rules/timestep.cpp. q = 0: a new contact. One that has just touched has no history to miss; one that starts in
 /// overlap is taken for a resting one, a_ext = -k delta/m_eff.
 template <class S>
 TALUS_INLINE typename S::B dashpot_velocity(typename S::B vn, const MidNormal<S>& mid, typename S::B q,

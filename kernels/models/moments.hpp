@@ -1,7 +1,7 @@
 // Rolling and twisting resistance, an addition to any contact law: the law has run, its force F and stiffness k_n of
 // the contact are known; this pass adds a moment M on i and -M on j. Instantiated by isa_*.cpp; called by
-// scheduler/add_ons.cpp for scenes that ask for it. With w = w_i - w_j, N the force that presses the surfaces together
-// as Coulomb's limit counts it (the elastic part; JKR: plus 3 pi w_a R*), R* the reduced radius (a wall: r):
+// scheduler/nodes/add_ons.cpp for scenes that ask for it. With w = w_i - w_j, N the force that presses the surfaces
+// together as Coulomb's limit counts it (the elastic part; JKR: plus 3 pi w_a R*), R* the reduced radius (a wall: r):
 //   constant directional torque ("cdt"):  M = -mu_r R* N w_r/|w_r|,  w_r = w - (w.n) n, but no more than stops the
 //     spin of the free pair within the step: the sign of a rounding error must not steer the full moment
 //   elastic-plastic spring-dashpot ("epsd", Ai et al. 2011, model C):  dM = -k_r w_r dt,  k_r = 9/4 k_n mu_r^2 R*^2,

@@ -1,5 +1,5 @@
 // The speed and the end that a progress line states, and signals that come twice.
-#include "cases/progress.hpp"
+#include "cases/program/progress.hpp"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -12,8 +12,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "cases/cli_schedule.hpp"
-#include "cases/cli_signal.hpp"
+#include "cases/program/cli_schedule.hpp"
+#include "cases/program/cli_signal.hpp"
 
 namespace talus::cli {
 namespace {

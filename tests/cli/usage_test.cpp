@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "core/io/scene_keys.hpp"
+#include "core/scene/scene_keys.hpp"
 #include "tests/cli/cli_runner.hpp"
 
 namespace talus::test {

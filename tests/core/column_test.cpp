@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 
 namespace talus {
 namespace {

@@ -1,5 +1,5 @@
 // Claims about the conversion of quotients to counts.
-#include "core/count.hpp"
+#include "core/base/count.hpp"
 
 #include <gtest/gtest.h>
 

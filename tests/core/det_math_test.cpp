@@ -1,5 +1,5 @@
-// Claims about core/det_math.hpp and core/rng.hpp, measured against the C library in long double.
-#include "core/det_math.hpp"
+// Claims about core/base/det_math.hpp and core/base/rng.hpp, measured against the C library in long double.
+#include "core/base/det_math.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/rng.hpp"
+#include "core/base/rng.hpp"
 
 namespace talus {
 namespace {

@@ -1,5 +1,5 @@
 // Claims about sources: nothing overlaps, rates and limits hold, sizes follow their distribution, state can be resumed.
-#include "core/insertion.hpp"
+#include "core/grains/insertion.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 #include <fstream>
 #include <functional>
 
-#include "core/error.hpp"
-#include "core/overlap_grid.hpp"
+#include "core/base/error.hpp"
+#include "core/grains/overlap_grid.hpp"
 
 namespace talus {
 namespace {

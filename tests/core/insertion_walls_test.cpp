@@ -7,13 +7,13 @@
 #include <cmath>
 #include <functional>
 
-#include "core/closed_surface.hpp"
-#include "core/error.hpp"
-#include "core/insertion.hpp"
-#include "core/region.hpp"
-#include "core/source_notes.hpp"
-#include "core/source_walls.hpp"
-#include "core/wall_mesh.hpp"
+#include "core/base/error.hpp"
+#include "core/grains/insertion.hpp"
+#include "core/grains/region.hpp"
+#include "core/grains/source_notes.hpp"
+#include "core/grains/source_walls.hpp"
+#include "core/walls/closed_surface.hpp"
+#include "core/walls/wall_mesh.hpp"
 #include "wall_support.hpp"
 
 namespace talus {

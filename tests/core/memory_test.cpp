@@ -1,5 +1,5 @@
 // Claims about the memory that is left, from made-up /proc and /sys.
-#include "core/memory.hpp"
+#include "core/base/memory.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -2,7 +2,7 @@
 // bounded by the bytes. Deterministic, so that a finding can be repeated.
 #include <cmath>
 
-#include "core/rng.hpp"
+#include "core/base/rng.hpp"
 #include "mesh_support.hpp"
 
 namespace talus {

@@ -1,13 +1,13 @@
 // Claims about meshes whatever their format: coordinates keep every bit on the way into the frame, tolerances are those
 // of the vertices concerned, defects are counted, and files that are none are refused by name.
-#include "core/io/mesh_file.hpp"
+#include "core/meshes/mesh_file.hpp"
 
 #include <sys/stat.h>
 
 #include <cmath>
 
-#include "core/rng.hpp"
-#include "core/wall_mesh.hpp"
+#include "core/base/rng.hpp"
+#include "core/walls/wall_mesh.hpp"
 #include "mesh_support.hpp"
 #include "wall_support.hpp"
 

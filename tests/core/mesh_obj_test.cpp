@@ -2,8 +2,8 @@
 // and geometry that would be left out are refused with their line.
 #include <cmath>
 
-#include "core/io/mesh_polygon.hpp"
-#include "core/rng.hpp"
+#include "core/base/rng.hpp"
+#include "core/meshes/mesh_polygon.hpp"
 #include "mesh_support.hpp"
 
 namespace talus {

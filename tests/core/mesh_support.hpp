@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/error.hpp"
-#include "core/io/mesh_file.hpp"
+#include "core/base/error.hpp"
+#include "core/meshes/mesh_file.hpp"
 
 namespace talus::mesh_test {
 

@@ -1,13 +1,13 @@
 // Flux planes: sides, periodic axes and totals against geometry worked out apart from them.
-#include "core/plane_count.hpp"
+#include "core/frame/plane_count.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "core/error.hpp"
-#include "core/io/scene_file.hpp"
-#include "core/rng.hpp"
+#include "core/base/error.hpp"
+#include "core/base/rng.hpp"
+#include "core/scene/scene_file.hpp"
 
 namespace talus {
 namespace {

@@ -1,6 +1,6 @@
 // Claims about regions: what lies inside box, cylinder, sphere and mesh, how large they are, how they continue through
 // periodic sides, and what is refused.
-#include "core/region.hpp"
+#include "core/grains/region.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,10 +8,10 @@
 #include <cmath>
 #include <functional>
 
-#include "core/closed_surface.hpp"
-#include "core/error.hpp"
-#include "core/io/scene_file.hpp"
-#include "core/wall_mesh.hpp"
+#include "core/base/error.hpp"
+#include "core/scene/scene_file.hpp"
+#include "core/walls/closed_surface.hpp"
+#include "core/walls/wall_mesh.hpp"
 #include "wall_support.hpp"
 
 namespace talus {

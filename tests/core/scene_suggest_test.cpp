@@ -1,5 +1,5 @@
 // Suggestions for keys that do not exist: by spelling, by place, and by what words mean elsewhere.
-#include "core/io/scene_suggest.hpp"
+#include "core/scene/scene_suggest.hpp"
 
 #include <gtest/gtest.h>
 

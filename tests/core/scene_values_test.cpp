@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "core/error.hpp"
-#include "core/io/scene_file.hpp"
-#include "core/io/scene_keys.hpp"
+#include "core/base/error.hpp"
+#include "core/scene/scene_file.hpp"
+#include "core/scene/scene_keys.hpp"
 
 namespace talus {
 namespace {

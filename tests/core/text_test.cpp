@@ -1,9 +1,9 @@
 // Claims about texts of users in messages.
-#include "core/text.hpp"
+#include "core/base/text.hpp"
 
 #include <gtest/gtest.h>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 
 namespace talus {
 namespace {

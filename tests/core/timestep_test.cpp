@@ -1,5 +1,5 @@
 // Claims about time step limits: closed forms, minimum over all pairs, refusal and warning.
-#include "core/timestep.hpp"
+#include "core/rules/timestep.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 
 namespace talus {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/facet_grid.hpp"
-#include "core/wall_elements.hpp"
+#include "core/walls/facet_grid.hpp"
+#include "core/walls/wall_elements.hpp"
 #include "wall_support.hpp"
 
 namespace talus {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "core/io/mesh_file.hpp"
-#include "core/io/scene_file.hpp"
+#include "core/meshes/mesh_file.hpp"
+#include "core/scene/scene_file.hpp"
 #include "paths.hpp"
 #include "wall_support.hpp"
 

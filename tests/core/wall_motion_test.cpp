@@ -1,5 +1,5 @@
 // Claims about wall poses: functions of the step number, velocities that equal displacements, skins that bound travel.
-#include "core/wall_motion.hpp"
+#include "core/walls/wall_motion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "core/rng.hpp"
-#include "core/walls.hpp"
+#include "core/base/rng.hpp"
+#include "core/walls/walls.hpp"
 
 namespace talus::wall_test {
 

@@ -1,6 +1,6 @@
 // Borders of the chunks: every row has one chunk, none is empty, rows inserted behind the last border find one, and
 // chunks cost the same where rows do not.
-#include "scheduler/chunk_map.hpp"
+#include "scheduler/team/chunk_map.hpp"
 
 #include <gtest/gtest.h>
 

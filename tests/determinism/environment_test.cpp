@@ -12,8 +12,8 @@
 #include <cstring>
 #include <thread>
 
-#include "core/error.hpp"
-#include "core/rng.hpp"
+#include "core/base/error.hpp"
+#include "core/base/rng.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
 

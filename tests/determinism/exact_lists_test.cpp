@@ -1,17 +1,17 @@
-// Exact lists: over 200 random scenes x 200 steps the audit (scheduler/audit.cpp, checked against all pairs below)
-// finds no touching pair, grain or wall, that the list lacks, for every policy. TALUS_FULL=1 runs ten times as many
-// scenes.
+// Exact lists: over 200 random scenes x 200 steps the audit (scheduler/lists/audit.cpp, checked against all pairs
+// below) finds no touching pair, grain or wall, that the list lacks, for every policy. TALUS_FULL=1 runs ten times as
+// many scenes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "core/error.hpp"
-#include "core/io/scene_file.hpp"
-#include "core/skin.hpp"
+#include "core/base/error.hpp"
+#include "core/rules/skin.hpp"
+#include "core/scene/scene_file.hpp"
 #include "kernels/kernel_table.hpp"
-#include "scheduler/world.hpp"
+#include "scheduler/step/world.hpp"
 #include "tests/determinism/random_scenes.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"

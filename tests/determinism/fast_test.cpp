@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "kernels/kernel_table.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"

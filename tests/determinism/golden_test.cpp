@@ -11,7 +11,7 @@
 #include <map>
 #include <sstream>
 
-#include "core/io/scene_file.hpp"
+#include "core/scene/scene_file.hpp"
 #include "paths.hpp"
 #include "tests/determinism/scenes.hpp"
 

@@ -1,12 +1,12 @@
 // How many threads work: unchanged while steps do not stall, fewer beside another process, all again when it has gone.
-#include "scheduler/lane_choice.hpp"
+#include "scheduler/team/lane_choice.hpp"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 
-#include "scheduler/available_cores.hpp"
+#include "scheduler/team/available_cores.hpp"
 
 namespace {
 

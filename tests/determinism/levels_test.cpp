@@ -9,9 +9,9 @@
 #include <string>
 #include <utility>
 
-#include "core/io/scene_file.hpp"
-#include "core/rng.hpp"
-#include "scheduler/world.hpp"
+#include "core/base/rng.hpp"
+#include "core/scene/scene_file.hpp"
+#include "scheduler/step/world.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
 

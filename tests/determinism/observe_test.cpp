@@ -6,8 +6,8 @@
 #include <bit>
 #include <set>
 
-#include "core/skin.hpp"
-#include "scheduler/world.hpp"
+#include "core/rules/skin.hpp"
+#include "scheduler/step/world.hpp"
 #include "tests/determinism/random_scenes.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
 

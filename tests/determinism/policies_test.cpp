@@ -5,10 +5,10 @@
 
 #include <cstdio>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/checkpoint.hpp"
-#include "core/io/scene_file.hpp"
-#include "core/skin.hpp"
+#include "core/rules/skin.hpp"
+#include "core/scene/scene_file.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/rng.hpp"
+#include "core/base/rng.hpp"
 #include "kernels/kernel_table.hpp"
 #include "tests/determinism/scenes.hpp"
 

@@ -3,7 +3,7 @@
 // Who calls it: exact_lists_test. Invariants: a scene is a pure function of its index.
 #pragma once
 
-#include "core/scene.hpp"
+#include "core/scene/scene.hpp"
 
 namespace talus::determinism {
 

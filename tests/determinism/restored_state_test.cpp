@@ -6,9 +6,9 @@
 #include <functional>
 #include <limits>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/checkpoint.hpp"
-#include "core/io/scene_file.hpp"
+#include "core/scene/scene_file.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus {

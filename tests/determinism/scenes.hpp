@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/scene.hpp"
+#include "core/scene/scene.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus::determinism {
@@ -16,10 +16,10 @@ namespace talus::determinism {
 inline constexpr std::int64_t k_steps = 2000;      ///< of every trajectory that is compared
 inline constexpr std::int64_t k_sort_every = 700;  ///< epochs at 0, 700, 1400: the last two within the run
 
-Scene hopper();        ///< cylinder and cone, moving gate, stream of grains, open bottom; linear law with friction
-Scene sheared_bed();   ///< periodic in x and y, frozen bottom, driven top; linear law with friction
-Scene gas();           ///< periodic in all directions, frictionless, elastic
-Scene pile_on_mesh();  ///< diameters 1:4 falling on a bumpy, rocking mesh, periodic in y; energies on
+Scene hopper();          ///< cylinder and cone, moving gate, stream of grains, open bottom; linear law with friction
+Scene sheared_bed();     ///< periodic in x and y, frozen bottom, driven top; linear law with friction
+Scene gas();             ///< periodic in all directions, frictionless, elastic
+Scene pile_on_mesh();    ///< diameters 1:4 falling on a bumpy, rocking mesh, periodic in y; energies on
 Scene hertz_drum();      ///< Hertz-Mindlin, two materials, rotating drum, vibrating plane
 Scene sticky_drum();     ///< the same with JKR necks, rolling and twisting springs
 Scene cohesive_pile();   ///< the pile with attraction and constant rolling moments

@@ -1,6 +1,6 @@
 // Shares of the chunks: every chunk once per round whoever asks, a thread's own chunks first, shares as even as
 // consecutive chunks allow.
-#include "scheduler/shares.hpp"
+#include "scheduler/team/shares.hpp"
 
 #include <gtest/gtest.h>
 

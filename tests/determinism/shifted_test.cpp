@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/rng.hpp"
+#include "core/base/rng.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
 

@@ -1,5 +1,5 @@
 // The gate between two steps: every lane works once in every round, having waited, given up waiting or been dismissed.
-#include "scheduler/step_gate.hpp"
+#include "scheduler/team/step_gate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-#include "core/skin.hpp"
+#include "core/rules/skin.hpp"
 #include "kernels/kernel_table.hpp"
 
 namespace talus::determinism {

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/atomic_file.hpp"
 #include "core/io/checkpoint.hpp"
-#include "core/io/scene_file.hpp"
+#include "core/scene/scene_file.hpp"
 #include "scheduler/simulation.hpp"
 #include "tests/fuzz/memory_file.hpp"
 

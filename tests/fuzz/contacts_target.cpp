@@ -6,7 +6,7 @@
 #include <cstring>
 #include <memory>
 
-#include "core/det_math.hpp"
+#include "core/base/det_math.hpp"
 #include "kernels/kernel_table.hpp"
 #include "kernels/reference.hpp"
 #include "tests/fuzz/values.hpp"

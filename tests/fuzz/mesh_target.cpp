@@ -1,8 +1,8 @@
 // Meshes in all formats.
 #include <string_view>
 
-#include "core/error.hpp"
-#include "core/io/mesh_file.hpp"
+#include "core/base/error.hpp"
+#include "core/meshes/mesh_file.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace talus::fuzz {

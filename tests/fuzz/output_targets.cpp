@@ -4,7 +4,7 @@
 #include <iterator>
 #include <string>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/series.hpp"
 #include "core/io/summary.hpp"
 #include "tests/fuzz/memory_file.hpp"

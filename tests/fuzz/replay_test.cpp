@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/rng.hpp"
+#include "core/base/rng.hpp"
 #include "paths.hpp"
 #include "tests/fuzz/targets.hpp"
 

@@ -1,9 +1,9 @@
 // Scenes and particle files.
 #include <string_view>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/particle_file.hpp"
-#include "core/io/scene_file.hpp"
+#include "core/scene/scene_file.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace talus::fuzz {

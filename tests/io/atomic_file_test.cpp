@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <filesystem>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/checkpoint.hpp"
 #include "tests/io/output_frames.hpp"
 

@@ -1,11 +1,11 @@
 // Averages against closed forms.
-#include "core/averages.hpp"
+#include "core/frame/averages.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 
 namespace talus {
 namespace {

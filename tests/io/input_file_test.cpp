@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "core/io/particle_file.hpp"
-#include "core/io/scene_file.hpp"
+#include "core/scene/scene_file.hpp"
 
 namespace talus {
 namespace {

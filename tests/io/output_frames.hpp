@@ -11,7 +11,7 @@
 #include <sstream>
 #include <string>
 
-#include "core/frame.hpp"
+#include "core/frame/frame.hpp"
 #include "paths.hpp"
 
 namespace talus::test {

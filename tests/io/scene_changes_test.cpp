@@ -1,9 +1,9 @@
 // What a resumed run may change: a rule for every key, a record that is a scene, comparisons by value.
-#include "core/io/scene_changes.hpp"
+#include "core/scene/scene_changes.hpp"
 
 #include <gtest/gtest.h>
 
-#include "core/io/scene_keys.hpp"
+#include "core/scene/scene_keys.hpp"
 
 namespace talus {
 namespace {

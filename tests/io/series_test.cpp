@@ -7,9 +7,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/atomic_file.hpp"
-#include "core/scene.hpp"
+#include "core/scene/scene.hpp"
 #include "tests/io/output_frames.hpp"
 
 namespace talus {

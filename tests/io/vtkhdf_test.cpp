@@ -11,7 +11,7 @@
 #include <fstream>
 #include <functional>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/watched_file.hpp"
 #include "tests/io/output_frames.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/io/particle_frames.hpp"
 #include "core/io/vtkhdf.hpp"
 #include "core/io/vtp.hpp"

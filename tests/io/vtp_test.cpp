@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "tests/io/output_frames.hpp"
 
 namespace talus {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "core/rng.hpp"
+#include "core/base/rng.hpp"
 #include "kernels/kernel_table.hpp"
 #include "kernels/reference.hpp"
 

@@ -94,8 +94,8 @@ std::string joined(const std::set<std::string>& names) {
 
 TEST(Includes, ScannerSeesEveryFormAndSkipsComments) {
   const auto found = includes_in(
-      "#include <tbb/flow_graph.h>\n  #  include \"core/types.hpp\"\n// #include <no>\nint x;\n#include<y.h>");
-  EXPECT_EQ(found, (std::vector<std::string>{"tbb/flow_graph.h", "core/types.hpp", "y.h"}));
+      "#include <tbb/flow_graph.h>\n  #  include \"core/base/types.hpp\"\n// #include <no>\nint x;\n#include<y.h>");
+  EXPECT_EQ(found, (std::vector<std::string>{"tbb/flow_graph.h", "core/base/types.hpp", "y.h"}));
   EXPECT_GT(all_includes().size(), 100u) << "the source tree was not found below " << TALUS_SOURCE_DIR;
 }
 
@@ -149,7 +149,9 @@ TEST(Includes, HeadersWithHdf5ReachItsFilesOnly) {
     EXPECT_TRUE(file.rfind("core/io/vtkhdf", 0) == 0 || file.rfind("core/io/hdf5_", 0) == 0) << file;
 }
 
-TEST(Includes, CliParserOnlyInTheProgram) { EXPECT_EQ(users_of({"CLI/"}), (std::set<std::string>{"cases/talus.cpp"})); }
+TEST(Includes, CliParserOnlyInTheProgram) {
+  EXPECT_EQ(users_of({"CLI/"}), (std::set<std::string>{"cases/program/talus.cpp"}));
+}
 
 TEST(Includes, NoEigenInInstructionSetUnits) {
   // Inline functions of Eigen compiled for AVX-512 could be the ones that the linker keeps for every caller.
@@ -169,7 +171,8 @@ TEST(Sources, EveryHeaderHasPragmaOnceAndEveryFileAHeadComment) {
 }
 
 TEST(Sources, NoLibraryRandomNumbersAndNoLibmInKernels) {
-  // I4: these change with the C library or the instruction set. Set-up uses core/det_math.hpp and core/rng.hpp.
+  // I4: these change with the C library or the instruction set. Set-up uses core/base/det_math.hpp and
+  // core/base/rng.hpp.
   for (const std::string folder : {"core", "kernels", "scheduler"}) {
     for (const fs::path& file : sources_of(folder)) {
       const std::string text = read(file);

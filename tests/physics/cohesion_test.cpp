@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "core/adhesion.hpp"
-#include "core/error.hpp"
-#include "core/timestep.hpp"
+#include "core/base/error.hpp"
+#include "core/rules/adhesion.hpp"
+#include "core/rules/timestep.hpp"
 #include "physics_support.hpp"
 
 namespace talus::physics {

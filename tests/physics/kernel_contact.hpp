@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "core/scene.hpp"
-#include "core/types.hpp"
+#include "core/base/types.hpp"
+#include "core/scene/scene.hpp"
 #include "kernels/kernel_table.hpp"
 
 namespace talus::physics {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/rng.hpp"
+#include "core/base/rng.hpp"
 #include "physics_support.hpp"
 
 namespace talus::physics {

@@ -2,7 +2,7 @@
 // stable, and walls that outrun the particles are refused.
 #include <cmath>
 
-#include "core/timestep.hpp"
+#include "core/rules/timestep.hpp"
 #include "tests/stability/stability_support.hpp"
 
 namespace talus::stability {

@@ -1,9 +1,9 @@
 // Scenarios 8 to 17: overlapping and coincident starts, fast grains, restitution and friction at their ends.
 #include <cmath>
 
-#include "core/adhesion.hpp"
-#include "core/io/scene_file.hpp"
-#include "core/restitution.hpp"
+#include "core/rules/adhesion.hpp"
+#include "core/rules/restitution.hpp"
+#include "core/scene/scene_file.hpp"
 #include "tests/physics/kernel_contact.hpp"
 #include "tests/stability/stability_support.hpp"
 

@@ -7,8 +7,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "core/io/scene_file.hpp"
-#include "scheduler/world.hpp"
+#include "core/scene/scene_file.hpp"
+#include "scheduler/step/world.hpp"
 #include "tests/stability/stability_support.hpp"
 
 namespace talus::stability {

@@ -8,7 +8,7 @@
 #include <functional>
 #include <string>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "tests/physics/physics_support.hpp"
 
 namespace talus::stability {

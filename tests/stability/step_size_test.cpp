@@ -1,7 +1,7 @@
 // Scenarios 1 to 7: time step, stiffness, mass and size ratios.
 #include <cmath>
 
-#include "core/timestep.hpp"
+#include "core/rules/timestep.hpp"
 #include "tests/stability/stability_support.hpp"
 
 namespace talus::stability {

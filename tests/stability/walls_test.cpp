@@ -1,7 +1,7 @@
 // Scenarios 32 to 35 and 38: meshes, corners, columns, vibrated beds, heat.
 #include <cmath>
 
-#include "core/io/mesh_file.hpp"
+#include "core/meshes/mesh_file.hpp"
 #include "tests/stability/stability_support.hpp"
 
 namespace talus::stability {

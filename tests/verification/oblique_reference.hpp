@@ -3,7 +3,7 @@
 // their error does not count. It shares no code with the kernels. Who calls it: oblique_test.cpp.
 #pragma once
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 
 namespace talus::verification {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.hpp"
-#include "core/timestep.hpp"
+#include "core/base/error.hpp"
+#include "core/rules/timestep.hpp"
 #include "ladder.hpp"
 
 namespace talus::verification {

@@ -1,0 +1,134 @@
+// See cli_compare_growth.hpp.
+#include "cases/program/cli_compare_growth.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/base/error.hpp"
+#include "core/io/particle_frames.hpp"
+
+namespace talus::cli {
+namespace {
+
+bool same_bits(Vec3 a, Vec3 b) {
+  for (int k = 0; k < 3; ++k)
+    if (std::bit_cast<std::uint64_t>(a[k]) != std::bit_cast<std::uint64_t>(b[k])) return false;
+  return true;
+}
+
+GrowthPoint compare_frames(const Frame& a, const Frame& b, const Domain& domain) {
+  GrowthPoint p;
+  p.time = a.time;
+  p.step_a = a.step;
+  p.step_b = b.step;
+  double x2 = 0, v2 = 0;
+  std::size_t i = 0, j = 0;
+  while (i < a.id.size() || j < b.id.size()) {  // frames are in id order: one merge
+    if (j == b.id.size() || (i < a.id.size() && a.id[i] < b.id[j])) {
+      ++p.only_a, ++i;
+      continue;
+    }
+    if (i == a.id.size() || b.id[j] < a.id[i]) {
+      ++p.only_b, ++j;
+      continue;
+    }
+    ++p.common;
+    if (!same_bits(a.x[i], b.x[j]) || !same_bits(a.v[i], b.v[j])) {
+      ++p.different;
+      if (p.first < 0) p.first = a.id[i];
+    }
+    Vec3 d = a.x[i] - b.x[j];
+    for (int k = 0; k < 3; ++k) {
+      const double side = domain.upper[k] - domain.lower[k];
+      if (domain.periodic(k)) d[k] -= side * std::round(d[k] / side);
+    }
+    const double dx2 = norm2(d), dv2 = norm2(a.v[i] - b.v[j]);
+    x2 += dx2;
+    v2 += dv2;
+    if (dx2 > p.max * p.max || p.worst < 0) p.max = std::sqrt(dx2), p.worst = a.id[i];
+    p.max_velocity = std::max(p.max_velocity, std::sqrt(dv2));
+    ++i, ++j;
+  }
+  if (p.common > 0) {
+    p.rms = std::sqrt(x2 / static_cast<double>(p.common));
+    p.rms_velocity = std::sqrt(v2 / static_cast<double>(p.common));
+  }
+  return p;
+}
+
+/// Least squares of ln(rms) over t, while the difference is there and still small.
+void fit(Growth& g) {
+  double st = 0, sy = 0, stt = 0, sty = 0, syy = 0;
+  for (const GrowthPoint& p : g.points) {
+    if (p.rms > 0.1 * g.radius) break;  // saturates from here on
+    if (!(p.rms > 0)) continue;
+    const double y = std::log(p.rms);
+    st += p.time;
+    sy += y;
+    stt += p.time * p.time;
+    sty += p.time * y;
+    syy += y * y;
+    ++g.fitted;
+  }
+  const double n = g.fitted, tt = n * stt - st * st, ty = n * sty - st * sy, yy = n * syy - sy * sy;
+  if (g.fitted < 3 || !(tt > 0)) return;
+  g.rate = ty / tt;
+  g.quality = yy > 0 ? ty * ty / (tt * yy) : 1;
+}
+
+}  // namespace
+
+Growth compare_growth(const std::string& a, const std::string& b, const Domain& domain) {
+  const ParticleFrames first(a), second(b);
+  const auto &sa = first.steps(), &sb = second.steps();
+  Growth g;
+  std::size_t i = 0, j = 0;
+  while (i < sa.size() && j < sb.size()) {
+    const double slack = 1e-9 * std::max(std::fabs(sa[i].time), std::fabs(sb[j].time));
+    if (sa[i].time < sb[j].time - slack) {
+      ++i;
+    } else if (sb[j].time < sa[i].time - slack) {
+      ++j;
+    } else {
+      const Frame fa = first.frame(i++), fb = second.frame(j++);
+      if (g.radius == 0 && !fa.r.empty()) {
+        for (const double r : fa.r) g.radius += r / static_cast<double>(fa.r.size());
+      }
+      const GrowthPoint p = compare_frames(fa, fb, domain);
+      if (g.first_time < 0 && p.different + p.only_a + p.only_b > 0) g.first_time = p.time;
+      if (g.horizon < 0 && g.radius > 0 && p.rms > g.radius) g.horizon = p.time;
+      g.points.push_back(p);
+    }
+  }
+  fit(g);
+  return g;
+}
+
+std::string growth_text(const Growth& g) {
+  if (g.points.empty()) return "the runs have no frame of the same time\n";
+  if (g.equal()) return fmt::format("frames: {} common ones, equal bit for bit\n", g.points.size());
+  std::string text =
+      fmt::format("frames: {} common ones, the first that differs at t = {:.6g} s\n", g.points.size(), g.first_time);
+  text += fmt::format("  {:>12} {:>10} {:>10} {:>12} {:>12} {:>12}  {}\n", "t [s]", "common", "different", "rms [m]",
+                      "max [m]", "rms v [m/s]", "first id");
+  const std::size_t every = (g.points.size() + 23) / 24;
+  for (std::size_t k = 0; k < g.points.size(); ++k) {
+    const GrowthPoint& p = g.points[k];
+    // all of them where they are few; otherwise the first that differs, the last, and every n-th
+    if (k % every != 0 && k + 1 != g.points.size() && p.time != g.first_time) continue;
+    text += fmt::format("  {:>12.6g} {:>10} {:>10} {:>12.4e} {:>12.4e} {:>12.4e}  {}\n", p.time, p.common, p.different,
+                        p.rms, p.max, p.rms_velocity, p.first < 0 ? "-" : fmt::format("{}", p.first));
+  }
+  if (g.fitted >= 3)
+    text += fmt::format("growth: rms ~ exp({:.4g} t / s) over {} frames below a tenth of a radius (R^2 {:.3f})\n",
+                        g.rate, g.fitted, g.quality);
+  else
+    text += "growth: fewer than 3 frames with a small difference, no rate\n";
+  if (g.horizon >= 0) text += fmt::format("horizon: rms exceeds one radius at t = {:.6g} s\n", g.horizon);
+  return text;
+}
+
+}  // namespace talus::cli

@@ -1,0 +1,166 @@
+// Averages; see averages.hpp.
+#include "core/frame/averages.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/count.hpp"
+#include "core/base/error.hpp"
+#include "core/grains/region.hpp"
+
+namespace talus {
+
+namespace {
+
+constexpr double k_pi = 3.14159265358979323846;
+
+/// Share of a sphere's volume below a plane at signed distance t radii above its centre.
+double below(double t) {
+  if (t <= -1) return 0;
+  if (t >= 1) return 1;
+  return 0.25 * (2 + 3 * t - t * t * t);
+}
+double volume_of(double r) { return 4.0 / 3.0 * k_pi * (r * r * r); }
+
+double mass_of(const Frame& f, const Scene& s, std::size_t i) {
+  return volume_of(f.r[i]) * s.materials[f.material.empty() ? 0 : f.material[i]].density;
+}
+
+/// Weighted sums of one region or cell; add() all particles, mean(), deviate() all particles, finish().
+struct Sums {
+  double w = 0, mass = 0, volume = 0, contacts = 0, deviation = 0;
+  Vec3 momentum, mean;
+  std::array<double, 6> stress{};
+
+  void add(const Frame& f, const Scene& s, std::size_t i, double share) {
+    const double m = share * mass_of(f, s, i), v = share * volume_of(f.r[i]);
+    w += share;
+    mass += m;
+    volume += v;
+    momentum = momentum + m * f.v[i];
+    if (!f.coordination.empty()) contacts += share * f.coordination[i];
+    if (!f.stress.empty())
+      for (int k = 0; k < 6; ++k) stress[k] += v * f.stress[i][k];
+  }
+  void close() {
+    if (mass > 0) mean = (1 / mass) * momentum;
+  }
+  void deviate(const Frame& f, const Scene& s, std::size_t i, double share) {
+    deviation += share * mass_of(f, s, i) * norm2(f.v[i] - mean);
+  }
+  RegionAverage finish(double region_volume) const {
+    RegionAverage a;
+    a.particles = w;
+    a.velocity = mean;
+    if (mass > 0) a.temperature = deviation / (3 * mass);
+    if (w > 0) a.coordination = contacts / w;
+    if (region_volume > 0) {
+      a.solid_fraction = volume / region_volume;
+      for (int k = 0; k < 6; ++k) a.stress[k] = stress[k] / region_volume;
+    }
+    return a;
+  }
+};
+
+/// Cells of one axis that a sphere touches, with the share of the sphere in each slab.
+struct Slabs {
+  int first = 0;
+  std::vector<double> share;
+
+  /// `least` and `most`: what lies beyond them is put into them.
+  void fill(double centre, double r, double lower, double h, int least, int most) {
+    first = static_cast<int>(count_floor((centre - r - lower) / h, least, most));
+    const int last = static_cast<int>(count_floor((centre + r - lower) / h, least, most));
+    share.clear();
+    double before = 0;  // what lies below the first slab is nothing
+    for (int k = first; k <= last; ++k) {
+      const double now = k == last ? 1.0 : below((lower + (k + 1) * h - centre) / r);
+      share.push_back(now - before);
+      before = now;
+    }
+  }
+};
+
+}  // namespace
+
+RegionAverage average_region(const Frame& frame, const Scene& scene, const Region& region) {
+  Sums sums;
+  for (int pass = 0; pass < 2; ++pass) {
+    for (std::size_t i = 0; i < frame.x.size(); ++i) {
+      const double share = share_inside(scene.domain, region, frame.x[i], frame.r[i]);
+      if (share <= 0) continue;
+      pass == 0 ? sums.add(frame, scene, i, share) : sums.deviate(frame, scene, i, share);
+    }
+    if (pass == 0) sums.close();
+  }
+  return sums.finish(volume(region));
+}
+
+GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3> cells) {
+  for (int n : cells)
+    if (n < 1) throw Error(ErrorCode::io, "averaging grid needs at least one cell per axis", "output.grid");
+  const Vec3 size = scene.domain.upper - scene.domain.lower;
+  GridData g;
+  g.lower = scene.domain.lower;
+  g.cells = cells;
+  g.spacing = {size.x / cells[0], size.y / cells[1], size.z / cells[2]};
+  const std::size_t total = static_cast<std::size_t>(cells[0]) * cells[1] * cells[2];
+  std::vector<Sums> sums(total);
+  std::array<Slabs, 3> slabs;
+  // Index of slab k on an axis: wrapped where periodic, -1 outside the domain.
+  const auto index = [&](int axis, int k) {
+    const int n = cells[axis];
+    if (scene.domain.periodic(axis)) return ((k % n) + n) % n;
+    return k < 0 || k >= n ? -1 : k;
+  };
+  for (int pass = 0; pass < 2; ++pass) {
+    for (std::size_t i = 0; i < frame.x.size(); ++i) {
+      for (int a = 0; a < 3; ++a) {
+        // a periodic side is longer than two diameters; elsewhere a grain may be larger than the domain
+        const int beyond = scene.domain.periodic(a) ? cells[a] : 1;
+        slabs[a].fill(frame.x[i][a], frame.r[i], g.lower[a], g.spacing[a], -beyond, cells[a] - 1 + beyond);
+      }
+      for (std::size_t kz = 0; kz < slabs[2].share.size(); ++kz) {
+        const int z = index(2, slabs[2].first + static_cast<int>(kz));
+        if (z < 0) continue;
+        for (std::size_t ky = 0; ky < slabs[1].share.size(); ++ky) {
+          const int y = index(1, slabs[1].first + static_cast<int>(ky));
+          if (y < 0) continue;
+          for (std::size_t kx = 0; kx < slabs[0].share.size(); ++kx) {
+            const int x = index(0, slabs[0].first + static_cast<int>(kx));
+            const double share = slabs[0].share[kx] * slabs[1].share[ky] * slabs[2].share[kz];
+            if (x < 0 || share <= 0) continue;
+            Sums& cell = sums[(static_cast<std::size_t>(z) * cells[1] + y) * cells[0] + x];
+            pass == 0 ? cell.add(frame, scene, i, share) : cell.deviate(frame, scene, i, share);
+          }
+        }
+      }
+    }
+    if (pass == 0)
+      for (Sums& s : sums) s.close();
+  }
+  std::vector<double> fraction, velocity, temperature, coordination, stress;
+  for (const Sums& s : sums) {
+    const RegionAverage a = s.finish(g.spacing.x * g.spacing.y * g.spacing.z);
+    fraction.push_back(a.solid_fraction);
+    velocity.insert(velocity.end(), {a.velocity.x, a.velocity.y, a.velocity.z});
+    temperature.push_back(a.temperature);
+    coordination.push_back(a.coordination);
+    const auto& t = a.stress;
+    stress.insert(stress.end(), {t[0], t[1], t[2], t[3], t[5], t[4]});
+  }
+  g.cell_data.push_back({"solid_fraction", 1, std::move(fraction)});
+  g.cell_data.push_back({"velocity", 3, std::move(velocity)});
+  g.cell_data.push_back({"granular_temperature", 1, std::move(temperature)});
+  // By the scene, not by the frame: a frame without particles has the same columns as the others.
+  if (scene.output.coordination) g.cell_data.push_back({"coordination", 1, std::move(coordination)});
+  if (scene.output.stress) g.cell_data.push_back({"stress", 6, std::move(stress)});
+  return g;
+}
+
+double grid_bytes(std::array<int, 3> cells) noexcept {
+  constexpr double columns = 12 * sizeof(double);  // solid fraction to stress; twice while they grow
+  return (sizeof(Sums) + 2 * columns) * static_cast<double>(cells[0]) * cells[1] * cells[2];
+}
+
+}  // namespace talus

@@ -1,0 +1,35 @@
+// Averages over regions and grids, from frames. Who calls it: cases/ (run) at output times. Pure reading: nothing here
+// influences a trajectory. All of it is of the moment of the frame, nothing is averaged over time. Invariant: a grid
+// over the whole domain contains each sphere's volume once (weights of a sphere over all cells sum to 1, up to what
+// sticks out of the domain).
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/frame/frame.hpp"
+#include "core/io/vtp.hpp"
+#include "core/scene/scene.hpp"
+
+namespace talus {
+
+/// Averages over one region; a sphere that is partly inside counts by its share w of volume inside (share_inside in
+/// core/grains/region.hpp: also what sticks through a periodic side counts where it comes in again).
+struct RegionAverage {
+  double particles = 0;            ///< sum of w
+  double solid_fraction = 0;       ///< sum of w V_p / region volume
+  Vec3 velocity;                   ///< mass-weighted mean [m/s]; 0 if empty
+  double temperature = 0;          ///< granular: mass-weighted mean of |v - mean|^2 / 3 [m2/s2]
+  double coordination = 0;         ///< mean over particles; 0 unless the frame has it
+  std::array<double, 6> stress{};  ///< contact stress, sum of w V_p sigma_p / volume: xx yy zz xy xz yz [Pa]
+};
+
+RegionAverage average_region(const Frame& frame, const Scene& scene, const Region& region);
+
+/// The same averages on nx*ny*nz cells over the domain as cell columns solid_fraction, velocity, granular_temperature
+/// and, where the frame has them, coordination and stress (VTK order). Periodic axes wrap. Error{io} if cells < 1.
+GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3> cells);
+/// Memory that average_grid() takes [B].
+double grid_bytes(std::array<int, 3> cells) noexcept;
+
+}  // namespace talus

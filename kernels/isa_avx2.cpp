@@ -1,7 +1,0 @@
-// Kernels compiled for avx2; see kernels/table.hpp.
-#include "kernels/table.hpp"
-
-namespace talus {
-extern const KernelTable k_table_avx2;
-constinit const KernelTable k_table_avx2 = kernels::make_table<simd::Avx2>();
-}  // namespace talus

@@ -1,8 +1,0 @@
-// Kernels compiled for avx2 with contraction, for precision = "fast"; see kernels/simd_fast.hpp.
-#include "kernels/simd_fast.hpp"
-#include "kernels/table.hpp"
-
-namespace talus {
-extern const KernelTable k_table_avx2_fast;
-constinit const KernelTable k_table_avx2_fast = kernels::make_table<simd::Avx2Fast>();
-}  // namespace talus

@@ -1,8 +1,0 @@
-// Kernels compiled for avx512 with contraction, for precision = "fast"; see kernels/simd_fast.hpp.
-#include "kernels/simd_fast.hpp"
-#include "kernels/table.hpp"
-
-namespace talus {
-extern const KernelTable k_table_avx512_fast;
-constinit const KernelTable k_table_avx512_fast = kernels::make_table<simd::Avx512Fast>();
-}  // namespace talus

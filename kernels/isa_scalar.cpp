@@ -1,7 +1,0 @@
-// Kernels compiled for scalar; see kernels/table.hpp.
-#include "kernels/table.hpp"
-
-namespace talus {
-extern const KernelTable k_table_scalar;
-constinit const KernelTable k_table_scalar = kernels::make_table<simd::Scalar>();
-}  // namespace talus

@@ -1,0 +1,92 @@
+// Receiving end of hand_over(), and the contacts of a checkpoint. Invariants: I3, I5 (see hand_over.hpp).
+#include "scheduler/lists/hand_over.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace talus {
+
+void receive_contacts(World& w, int k, Row lo, Row hi, const double* entries, std::int32_t count) {
+  Chunk& c = *w.chunks[static_cast<std::size_t>(k)];
+  const int columns = w.has.history_columns;
+  const std::int64_t size = 1 + columns;
+  const auto rows = static_cast<std::size_t>(hi - lo);
+  ListScratch* t = w.list_scratch.take();
+  // counting sort by section and row; the few partners of a row are then sorted by insertion
+  Column<std::int32_t>& start = t->build[2];
+  grow_discarding(start, 3 * rows + 1);
+  grow_discarding(t->keys, static_cast<std::size_t>(count));
+  std::fill(start.begin(), start.begin() + static_cast<std::ptrdiff_t>(3 * rows + 1), 0);
+  const auto bin_of = [&](std::uint64_t key) {
+    const auto i = static_cast<Row>(key >> 32), j = static_cast<Row>(key & 0xffffffffU);
+    return static_cast<std::size_t>(i - lo) + (j < lo ? 0 : (j < hi ? rows : 2 * rows));
+  };
+  const auto key_of = [&](std::int64_t q) { return std::bit_cast<std::uint64_t>(entries[size * q]); };
+  for (std::int32_t q = 0; q < count; ++q) ++start[bin_of(key_of(q))];
+  std::int32_t sum = 0;
+  for (std::size_t b = 0; b < 3 * rows; ++b) {
+    const std::int32_t n = start[b];
+    start[b] = sum;
+    sum += n;
+  }
+  std::uint64_t* sorted = t->keys.data();  // partner and number of the entry
+  for (std::int32_t q = 0; q < count; ++q) {
+    const std::uint64_t key = key_of(q);
+    sorted[start[bin_of(key)]++] = key << 32 | static_cast<std::uint32_t>(q);
+  }
+  c.distributed.resize(static_cast<std::size_t>(count) + 3);
+  for (int q = 0; q < columns; ++q) grow_discarding(c.h[q], static_cast<std::size_t>(count) + k_pad);
+  std::uint64_t* keys = c.distributed.data();
+  std::int32_t from = 0;
+  for (int s = 0; s < 3; ++s) {
+    for (std::size_t r = 0; r < rows; ++r) {
+      const std::int32_t to = start[static_cast<std::size_t>(s) * rows + r];
+      if (to - from > 64) {
+        std::sort(sorted + from, sorted + to);
+      } else {
+        for (std::int32_t a = from + 1; a < to; ++a) {
+          const std::uint64_t x = sorted[a];
+          std::int32_t b = a;
+          for (; b > from && sorted[b - 1] > x; --b) sorted[b] = sorted[b - 1];
+          sorted[b] = x;
+        }
+      }
+      for (; from < to; ++from) {
+        *keys++ = pair_key(lo + static_cast<Row>(r), static_cast<Row>(sorted[from] >> 32));
+        const double* h = entries + size * static_cast<std::int64_t>(sorted[from] & 0xffffffffU) + 1;
+        for (int q = 0; q < columns; ++q) c.h[q][static_cast<std::size_t>(from)] = h[q];
+      }
+    }
+    *keys++ = ~std::uint64_t{0};
+  }
+  w.list_scratch.give(t);
+}
+
+void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, const std::vector<WallEntry>& walls) {
+  const Blocks blocks =
+      counting_blocks(w, static_cast<std::int64_t>(contacts.size()), static_cast<std::int64_t>(w.chunks.size()));
+  hand_over(w, w.n, blocks, {}, [&](int b, const auto& emit) {
+    for (std::int64_t k = blocks.from(b); k < blocks.to(b); ++k) {
+      const ContactEntry& e = contacts[static_cast<std::size_t>(k)];
+      const double* h[k_max_columns];
+      for (int q = 0; q < k_max_columns; ++q) h[q] = e.h + q;
+      emit(e.a, e.b, h, 0);
+    }
+  });
+  for (const auto& c : w.chunks) {
+    c->wall_state.clear();
+    c->wall_moment.clear();
+  }
+  std::vector<WallEntry> sorted = walls;
+  // stable: contacts with one element through several images keep their order
+  std::stable_sort(sorted.begin(), sorted.end(), [](const WallState& l, const WallState& r) {
+    return std::tie(l.row, l.contact.wall, l.contact.element) < std::tie(r.row, r.contact.wall, r.contact.element);
+  });
+  for (const WallEntry& s : sorted) {
+    Chunk& c = *w.chunks[static_cast<std::size_t>(w.chunk_of(s.row))];
+    c.wall_state.push_back(s);
+    c.wall_moment.insert(c.wall_moment.end(), s.m, s.m + w.has.moment_columns);
+  }
+}
+
+}  // namespace talus
