@@ -16,8 +16,6 @@
 
 namespace talus {
 
-struct World;
-
 /// One rebuild, for the course of the list over a run.
 struct ListRecord {
   std::int64_t step = 0;
@@ -154,9 +152,9 @@ class Simulation {
   void write_trace(const std::string& path) const;                 ///< Chrome trace JSON. Error{io}
   void save(CheckpointWriter& out) const;
   std::size_t bytes() const;  ///< memory of all arrays
-  World& world() noexcept;    ///< everything behind this object, for the microbenchmarks (scheduler/step/world.hpp)
 
  private:
+  friend struct EngineAccess;  ///< scheduler/step/access.hpp: what benchmarks and tests see behind this
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -7,7 +7,9 @@
 #include <cstring>
 
 #include "core/base/count.hpp"
-#include "scheduler/step/world.hpp"
+#include "scheduler/lists/rebuild.hpp"
+#include "scheduler/nodes/faults.hpp"
+#include "scheduler/nodes/step_failure.hpp"
 #include "scheduler/team/parallel.hpp"
 
 namespace talus {
@@ -48,13 +50,13 @@ struct LevelLimits {
 };
 
 /// Skins of a chunk's rows: writes x0 and reach.
-void set_skins(World& w, const Chunk& c, const LevelLimits& limits, double slack, ChunkReach& out) {
-  const SkinRule rule = w.skin;
-  // (the fault of the tests: without the stretch)
-  const double stretch = (w.options.seeded_fault == 3 ? 1 : w.frame.stretch) * 1.000002;
-  RowSkins skins(w, c);
+void set_skins(const Rules& rules, const Rows& rows, Lists& lists, const Chunk& c, const LevelLimits& limits,
+               double slack, ChunkReach& out) {
+  const SkinRule rule = lists.skin;
+  const double stretch = Faults(rules.options).stretch(lists.frame.stretch) * 1.000002;
+  RowSkins skins(rules, rows, lists, c);
   for (Row i = c.lo; i < c.hi; ++i) {
-    const double* x = w.p.data() + 4L * i;
+    const double* x = rows.p.data() + 4L * i;
     if (!(x[0] < 1e100)) {
       if (!(x[0] >= 1e100)) out.bad = i;
       continue;
@@ -65,18 +67,18 @@ void set_skins(World& w, const Chunk& c, const LevelLimits& limits, double slack
       continue;
     }
     out.skins += skin / (2 * x[3]);
-    set_reference(w, i, skin);
+    set_reference(rules, rows, lists, i, skin);
     double listed = skin;
     if (rule.cuts()) {
-      set_near(w, i, skin);
+      set_near(rules, rows, lists, i, skin);
       listed = rule.outer_skin(x[3], skin);
-      double* outer = w.outer.data() + 4L * i;
+      double* outer = lists.outer.data() + 4L * i;
       for (int k = 0; k < 3; ++k) outer[k] = x[k];
       outer[3] = listed;
     }
     // the check compares squares: the reach covers the rounding of the square root, and `slack` that of coordinates
-    const auto reach = static_cast<float>((x[3] + w.skin.range(x[3]) + listed) * stretch + slack);
-    w.reach[static_cast<std::size_t>(i)] = reach;
+    const auto reach = static_cast<float>((x[3] + lists.skin.range(x[3]) + listed) * stretch + slack);
+    lists.grid.reach[static_cast<std::size_t>(i)] = reach;
     const int l = limits(reach);
     out.top[l] = fmax2(out.top[l], reach);
     ++out.count[l];
@@ -88,16 +90,16 @@ void set_skins(World& w, const Chunk& c, const LevelLimits& limits, double slack
 constexpr double k_edge[3] = {1, 1.75, 1.75};
 
 /// Lays the cells of one level over the domain.
-GridLevel lay_level(const World& w, double top, std::int64_t particles) {
+GridLevel lay_level(const Rules& rules, double top, std::int64_t particles) {
   GridLevel g{};
   g.top = top;
   const double limit = 2.0 * static_cast<double>(particles) + 64;
   for (double scale = 1;; scale *= 1.26) {  // sparse scenes: coarser cells rather than more cells than particles
     double total = 1;
     for (int k = 0; k < 3; ++k) {
-      const double c = w.size[k] / (2 * top * k_edge[k] * scale);
+      const double c = rules.size[k] / (2 * top * k_edge[k] * scale);
       g.n[k] = static_cast<std::int32_t>(count_floor(c, 1, 1000000));
-      g.inverse[k] = g.n[k] / w.size[k];
+      g.inverse[k] = g.n[k] / rules.size[k];
       total *= g.n[k];
     }
     if (total <= limit || (g.n[0] == 1 && g.n[1] == 1 && g.n[2] == 1)) return g;
@@ -111,20 +113,20 @@ std::int32_t cell_of(const GridLevel& g, const double* x) {
 }
 
 /// Turns counts into first positions; start[cells] becomes the total.
-void scan_cells(World& w, std::int32_t cells) {
-  const int blocks = std::max(1, std::min(w.threads, cells / 65536 + 1));
+void scan_cells(Lists& lists, Team& team, std::int32_t cells) {
+  const int blocks = std::max(1, std::min(team.threads, cells / 65536 + 1));
   std::vector<std::int32_t> first(static_cast<std::size_t>(blocks) + 1, 0);
-  std::int32_t* start = w.cell_start.data();
+  std::int32_t* start = lists.grid.cell_start.data();
   const auto from = [&](int b) { return static_cast<std::int32_t>(static_cast<std::int64_t>(cells) * b / blocks); };
   if (blocks > 1) {
-    parallel(w, blocks, [&](int b) {
+    parallel(team, blocks, [&](int b) {
       std::int32_t sum = 0;
       for (std::int32_t c = from(b); c < from(b + 1); ++c) sum += start[c];
       first[static_cast<std::size_t>(b) + 1] = sum;
     });
     for (std::size_t b = 0; b < static_cast<std::size_t>(blocks); ++b) first[b + 1] += first[b];
   }
-  parallel(w, blocks, [&](int b) {
+  parallel(team, blocks, [&](int b) {
     std::int32_t sum = first[static_cast<std::size_t>(b)];
     for (std::int32_t c = from(b); c < from(b + 1); ++c) {
       const std::int32_t count = start[c];
@@ -137,23 +139,27 @@ void scan_cells(World& w, std::int32_t cells) {
 
 }  // namespace
 
-void fill_cells(World& w) {
-  const auto rows = static_cast<std::size_t>(w.n) + 2 * k_pad;
-  for (auto* c : {&w.sx, &w.sy, &w.sz, &w.sr, &w.reach}) grow_discarding(*c, rows);
-  for (auto* c : {&w.sorted_row, &w.cell_of_row, &w.place_in_cell}) grow_discarding(*c, rows);
-  PartClock clock(w.serial);
+void fill_cells(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts, Lists& lists,
+                const WallSet& walls, Team& team) {
+  const auto room = static_cast<std::size_t>(rows.n) + 2 * k_pad;
+  for (auto* c : {&lists.grid.sx, &lists.grid.sy, &lists.grid.sz, &lists.grid.sr, &lists.grid.reach})
+    grow_discarding(*c, room);
+  for (auto* c : {&lists.grid.sorted_row, &lists.grid.cell_of_row, &lists.grid.place_in_cell})
+    grow_discarding(*c, room);
+  PartClock parts(lists.seconds);
   // 1. skins and reference positions; a non-finite coordinate ends the run here at the latest (I9)
   double extent = 0;
-  for (int k = 0; k < 3; ++k) extent = fmax2(extent, w.size[k]);
+  for (int k = 0; k < 3; ++k) extent = fmax2(extent, rules.size[k]);
   // float32 rounding of a coordinate, of a period and of a drift
-  const double slack = 8 * 5.97e-8 * extent + w.frame.rounding;
-  const double far = w.skin.cap > 0.5 ? (1.5 * w.r_max + w.skin.range(w.r_max)) * w.frame.stretch + slack : 0;
-  const LevelLimits limits(w.r_min, w.r_max, far);
-  const int chunks = static_cast<int>(w.chunks.size());
-  std::vector<ChunkReach> found(w.chunks.size());
-  parallel(w, chunks, [&](int q) {
+  const double slack = 8 * 5.97e-8 * extent + lists.frame.rounding;
+  const double far =
+      lists.skin.cap > 0.5 ? (1.5 * rules.r_max + lists.skin.range(rules.r_max)) * lists.frame.stretch + slack : 0;
+  const LevelLimits limits(rules.r_min, rules.r_max, far);
+  const int chunks = static_cast<int>(contacts.chunks.size());
+  std::vector<ChunkReach> found(contacts.chunks.size());
+  parallel(team, chunks, [&](int q) {
     const auto k = static_cast<std::size_t>(q);
-    set_skins(w, *w.chunks[k], limits, slack, found[k]);
+    set_skins(rules, rows, lists, *contacts.chunks[k], limits, slack, found[k]);
   });
   ChunkReach all;
   for (const ChunkReach& f : found) {
@@ -162,66 +168,67 @@ void fill_cells(World& w) {
       all.count[l] += f.count[l];
     }
     all.skins += f.skins;
-    if (f.bad >= 0) fail_non_finite(w, f.bad);
+    if (f.bad >= 0) fail_non_finite(rows, contacts, walls, f.bad);
   }
-  w.frame.mean_skin = w.alive > 0 ? all.skins / static_cast<double>(w.alive) : 0;
-  clock.lap(RebuildPart::skin);
+  lists.frame.mean_skin = rows.alive > 0 ? all.skins / static_cast<double>(rows.alive) : 0;
+  parts.lap(RebuildPart::skin);
   // 2. cells of the levels that hold particles, one after another
   int level_at[k_max_levels] = {};
   std::int32_t cells = 0;
-  w.levels = 0;
+  lists.grid.levels = 0;
   for (int l = 0; l < limits.levels; ++l) {
-    level_at[l] = w.levels;
+    level_at[l] = lists.grid.levels;
     if (all.count[l] == 0) continue;
-    GridLevel& g = w.level[w.levels++];
-    g = lay_level(w, all.top[l], all.count[l]);
+    GridLevel& g = lists.grid.level[lists.grid.levels++];
+    g = lay_level(rules, all.top[l], all.count[l]);
     g.first_cell = cells;
     cells += g.n[0] * g.n[1] * g.n[2];
   }
-  grow_discarding(w.cell_start, static_cast<std::size_t>(cells) + 1);
-  std::int32_t* count = w.cell_start.data();
-  const int zero_blocks = std::min(w.threads, cells / 65536 + 1);
-  parallel(w, zero_blocks, [&](int b) {
+  grow_discarding(lists.grid.cell_start, static_cast<std::size_t>(cells) + 1);
+  std::int32_t* count = lists.grid.cell_start.data();
+  const int zero_blocks = std::min(rules.threads, cells / 65536 + 1);
+  parallel(team, zero_blocks, [&](int b) {
     const std::int64_t from = std::int64_t{cells} * b / zero_blocks, to = std::int64_t{cells} * (b + 1) / zero_blocks;
     std::memset(count + from, 0, static_cast<std::size_t>(to - from) * sizeof(std::int32_t));
   });
   // 3. counting sort: a row's place in its cell is its turn in counting
-  const bool shared = w.threads > 1 && chunks > 1;
-  parallel(w, chunks, [&](int q) {
-    const Chunk& c = *w.chunks[static_cast<std::size_t>(q)];
+  const bool shared = rules.threads > 1 && chunks > 1;
+  parallel(team, chunks, [&](int q) {
+    const Chunk& c = *contacts.chunks[static_cast<std::size_t>(q)];
     for (Row i = c.lo; i < c.hi; ++i) {
-      const double* x = w.p.data() + 4L * i;
+      const double* x = rows.p.data() + 4L * i;
       if (!(x[0] < 1e100)) continue;
       const auto k = static_cast<std::size_t>(i);
-      const std::int32_t cell = cell_of(w.level[limits.levels == 1 ? 0 : level_at[limits(w.reach[k])]], x);
-      w.cell_of_row[k] = cell;
-      w.place_in_cell[k] =
+      const std::int32_t cell =
+          cell_of(lists.grid.level[limits.levels == 1 ? 0 : level_at[limits(lists.grid.reach[k])]], x);
+      lists.grid.cell_of_row[k] = cell;
+      lists.grid.place_in_cell[k] =
           shared ? std::atomic_ref<std::int32_t>(count[cell]).fetch_add(1, std::memory_order_relaxed) : count[cell]++;
     }
   });
-  clock.lap(RebuildPart::keys);
-  scan_cells(w, cells);
-  clock.lap(RebuildPart::sort);
-  parallel(w, chunks, [&](int q) {
-    const Chunk& c = *w.chunks[static_cast<std::size_t>(q)];
+  parts.lap(RebuildPart::keys);
+  scan_cells(lists, team, cells);
+  parts.lap(RebuildPart::sort);
+  parallel(team, chunks, [&](int q) {
+    const Chunk& c = *contacts.chunks[static_cast<std::size_t>(q)];
     for (Row i = c.lo; i < c.hi; ++i) {
-      const double* x = w.p.data() + 4L * i;
+      const double* x = rows.p.data() + 4L * i;
       if (!(x[0] < 1e100)) continue;
       const auto row = static_cast<std::size_t>(i);
-      const auto k =
-          static_cast<std::size_t>(w.cell_start[static_cast<std::size_t>(w.cell_of_row[row])] + w.place_in_cell[row]);
-      w.sx[k] = static_cast<float>(x[0]);
-      w.sy[k] = static_cast<float>(x[1]);
-      w.sz[k] = static_cast<float>(x[2]);
-      w.sr[k] = w.reach[row];
-      w.sorted_row[k] = i;
+      const auto k = static_cast<std::size_t>(
+          lists.grid.cell_start[static_cast<std::size_t>(lists.grid.cell_of_row[row])] + lists.grid.place_in_cell[row]);
+      lists.grid.sx[k] = static_cast<float>(x[0]);
+      lists.grid.sy[k] = static_cast<float>(x[1]);
+      lists.grid.sz[k] = static_cast<float>(x[2]);
+      lists.grid.sr[k] = lists.grid.reach[row];
+      lists.grid.sorted_row[k] = i;
     }
   });
-  for (std::size_t k = static_cast<std::size_t>(w.alive); k < static_cast<std::size_t>(w.alive) + k_pad; ++k) {
-    w.sx[k] = w.sy[k] = w.sz[k] = w.sr[k] = 0;
-    w.sorted_row[k] = w.n;
+  for (std::size_t k = static_cast<std::size_t>(rows.alive); k < static_cast<std::size_t>(rows.alive) + k_pad; ++k) {
+    lists.grid.sx[k] = lists.grid.sy[k] = lists.grid.sz[k] = lists.grid.sr[k] = 0;
+    lists.grid.sorted_row[k] = rows.n;
   }
-  clock.lap(RebuildPart::fill);
+  parts.lap(RebuildPart::fill);
 }
 
 }  // namespace talus

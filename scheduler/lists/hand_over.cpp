@@ -4,14 +4,17 @@
 #include <algorithm>
 #include <tuple>
 
+#include "scheduler/lists/rebuild.hpp"
+
 namespace talus {
 
-void receive_contacts(World& w, int k, Row lo, Row hi, const double* entries, std::int32_t count) {
-  Chunk& c = *w.chunks[static_cast<std::size_t>(k)];
-  const int columns = w.has.history_columns;
+void receive_contacts(const Rules& rules, Contacts& contacts, Team& team, int k, Row lo, Row hi, const double* entries,
+                      std::int32_t count) {
+  Chunk& c = *contacts.chunks[static_cast<std::size_t>(k)];
+  const int columns = rules.has.history_columns;
   const std::int64_t size = 1 + columns;
   const auto rows = static_cast<std::size_t>(hi - lo);
-  ListScratch* t = w.list_scratch.take();
+  ListScratch* t = team.list_scratch.take();
   // counting sort by section and row; the few partners of a row are then sorted by insertion
   Column<std::int32_t>& start = t->build[2];
   grow_discarding(start, 3 * rows + 1);
@@ -34,9 +37,9 @@ void receive_contacts(World& w, int k, Row lo, Row hi, const double* entries, st
     const std::uint64_t key = key_of(q);
     sorted[start[bin_of(key)]++] = key << 32 | static_cast<std::uint32_t>(q);
   }
-  c.distributed.resize(static_cast<std::size_t>(count) + 3);
-  for (int q = 0; q < columns; ++q) grow_discarding(c.h[q], static_cast<std::size_t>(count) + k_pad);
-  std::uint64_t* keys = c.distributed.data();
+  c.contacts.distributed.resize(static_cast<std::size_t>(count) + 3);
+  for (int q = 0; q < columns; ++q) grow_discarding(c.contacts.h[q], static_cast<std::size_t>(count) + k_pad);
+  std::uint64_t* keys = c.contacts.distributed.data();
   std::int32_t from = 0;
   for (int s = 0; s < 3; ++s) {
     for (std::size_t r = 0; r < rows; ++r) {
@@ -54,28 +57,29 @@ void receive_contacts(World& w, int k, Row lo, Row hi, const double* entries, st
       for (; from < to; ++from) {
         *keys++ = pair_key(lo + static_cast<Row>(r), static_cast<Row>(sorted[from] >> 32));
         const double* h = entries + size * static_cast<std::int64_t>(sorted[from] & 0xffffffffU) + 1;
-        for (int q = 0; q < columns; ++q) c.h[q][static_cast<std::size_t>(from)] = h[q];
+        for (int q = 0; q < columns; ++q) c.contacts.h[q][static_cast<std::size_t>(from)] = h[q];
       }
     }
     *keys++ = ~std::uint64_t{0};
   }
-  w.list_scratch.give(t);
+  team.list_scratch.give(t);
 }
 
-void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, const std::vector<WallEntry>& walls) {
-  const Blocks blocks =
-      counting_blocks(w, static_cast<std::int64_t>(contacts.size()), static_cast<std::int64_t>(w.chunks.size()));
-  hand_over(w, w.n, blocks, {}, [&](int b, const auto& emit) {
+void distribute_contacts(const Rules& rules, const Rows& rows, Contacts& contacts, Team& team,
+                         const std::vector<ContactEntry>& pairs, const std::vector<WallEntry>& walls) {
+  const Blocks blocks = counting_blocks(contacts, static_cast<std::int64_t>(pairs.size()),
+                                        static_cast<std::int64_t>(contacts.chunks.size()));
+  hand_over(rules, contacts, team, rows.n, blocks, {}, [&](int b, const auto& emit) {
     for (std::int64_t k = blocks.from(b); k < blocks.to(b); ++k) {
-      const ContactEntry& e = contacts[static_cast<std::size_t>(k)];
+      const ContactEntry& e = pairs[static_cast<std::size_t>(k)];
       const double* h[k_max_columns];
       for (int q = 0; q < k_max_columns; ++q) h[q] = e.h + q;
       emit(e.a, e.b, h, 0);
     }
   });
-  for (const auto& c : w.chunks) {
-    c->wall_state.clear();
-    c->wall_moment.clear();
+  for (const auto& c : contacts.chunks) {
+    c->wall.state.clear();
+    c->wall.moment.clear();
   }
   std::vector<WallEntry> sorted = walls;
   // stable: contacts with one element through several images keep their order
@@ -83,9 +87,9 @@ void distribute_contacts(World& w, const std::vector<ContactEntry>& contacts, co
     return std::tie(l.row, l.contact.wall, l.contact.element) < std::tie(r.row, r.contact.wall, r.contact.element);
   });
   for (const WallEntry& s : sorted) {
-    Chunk& c = *w.chunks[static_cast<std::size_t>(w.chunk_of(s.row))];
-    c.wall_state.push_back(s);
-    c.wall_moment.insert(c.wall_moment.end(), s.m, s.m + w.has.moment_columns);
+    Chunk& c = *contacts.chunks[static_cast<std::size_t>(contacts.chunk_of(s.row))];
+    c.wall.state.push_back(s);
+    c.wall.moment.insert(c.wall.moment.end(), s.m, s.m + rules.has.moment_columns);
   }
 }
 

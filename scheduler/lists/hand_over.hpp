@@ -12,21 +12,22 @@ namespace talus {
 
 /// Sorts what chunk k got, rows [lo, hi), by section, i, j into its keys and history. An entry is a pair_key() and the
 /// history, all as doubles.
-void receive_contacts(World& w, int k, Row lo, Row hi, const double* entries, std::int32_t count);
+void receive_contacts(const Rules& rules, Contacts& contacts, Team& team, int k, Row lo, Row hi, const double* entries,
+                      std::int32_t count);
 
 /// Gives every contact to the chunks of its rows. `contacts_of(b, emit)` calls emit(i, j, h, at) for each
 /// undirected contact of block b, the same way both times it is called: history column q, oriented i - j, is
 /// h[q][at]. `room` is memory that may be overwritten; what does not fit is allocated.
-template <class Contacts>
-void hand_over(World& w, Row n, const Blocks& blocks, std::span<const std::span<double>> room,
-               const Contacts& contacts_of) {
-  const ChunkMap& chunk_of = w.chunk_of;
+template <class F>
+void hand_over(const Rules& rules, Contacts& contacts, Team& team, Row n, const Blocks& blocks,
+               std::span<const std::span<double>> room, const F& contacts_of) {
+  const ChunkMap& chunk_of = contacts.chunk_of;
   const int chunks = chunk_of.count(n);
-  const int columns = w.has.history_columns, size = 1 + columns;
+  const int columns = rules.has.history_columns, size = 1 + columns;
   bool flips[k_max_columns];
-  for (int q = 0; q < columns; ++q) flips[q] = w.flips(q);
+  for (int q = 0; q < columns; ++q) flips[q] = rules.flips(q);
   std::vector<std::int32_t> place(static_cast<std::size_t>(blocks.count) * static_cast<std::size_t>(chunks), 0);
-  parallel(w, blocks.count, [&](int b) {
+  parallel(team, blocks.count, [&](int b) {
     std::int32_t* count = place.data() + static_cast<std::size_t>(b) * static_cast<std::size_t>(chunks);
     contacts_of(b, [&](Row i, Row j, const double* const*, std::int64_t) {
       const int ci = chunk_of(i), cj = chunk_of(j);
@@ -56,7 +57,7 @@ void hand_over(World& w, Row n, const Blocks& blocks, std::span<const std::span<
   Column<double> more(missing);
   left.assign(1, std::span<double>(more));
   for (const std::size_t k : homeless) take(k);
-  parallel(w, blocks.count, [&](int b) {
+  parallel(team, blocks.count, [&](int b) {
     std::int32_t* next = place.data() + static_cast<std::size_t>(b) * static_cast<std::size_t>(chunks);
     const auto put = [&](int k, Row i, Row j, const double* const* h, std::int64_t at, bool flip) {
       double* e = entries[static_cast<std::size_t>(k)] + std::int64_t{size} * next[k]++;
@@ -75,8 +76,8 @@ void hand_over(World& w, Row n, const Blocks& blocks, std::span<const std::span<
       }
     });
   });
-  parallel(w, chunks, [&](int k) {
-    receive_contacts(w, k, chunk_of.lo(k), chunk_of.hi(k, n), entries[static_cast<std::size_t>(k)],
+  parallel(team, chunks, [&](int k) {
+    receive_contacts(rules, contacts, team, k, chunk_of.lo(k), chunk_of.hi(k, n), entries[static_cast<std::size_t>(k)],
                      total[static_cast<std::size_t>(k)]);
   });
 }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "scheduler/step/world.hpp"
+#include "scheduler/lists/rebuild.hpp"
 #include "scheduler/team/parallel.hpp"
 
 namespace talus {
@@ -16,19 +16,19 @@ namespace {
 constexpr double k_least_part = 0.25;
 
 /// Fresh skins within what is left of the outer ones. False: some row has too little left.
-bool cut_skins(World& w, const Chunk& c, double& skins) {
-  RowSkins wanted(w, c);
+bool cut_skins(const Rules& rules, const Rows& rows, Lists& lists, const Chunk& c, double& skins) {
+  RowSkins wanted(rules, rows, lists, c);
   for (Row i = c.lo; i < c.hi; ++i) {
-    const double *x = w.p.data() + 4L * i, *ref = w.outer.data() + 4L * i;
+    const double *x = rows.p.data() + 4L * i, *ref = lists.outer.data() + 4L * i;
     if (x[0] >= 1e100) {
-      set_near(w, i, 0);
+      set_near(rules, rows, lists, i, 0);
       continue;
     }
-    const double skin = wanted(i), left = ref[3] * (1 - 1e-12) - __builtin_sqrt(distance2(w, x, ref));
+    const double skin = wanted(i), left = ref[3] * (1 - 1e-12) - __builtin_sqrt(distance2(rules, x, ref));
     if (!(skin >= 0) || !(left >= k_least_part * skin)) return false;  // what is not finite ends in a rebuild
     const double s = fmin2(skin, left);
-    set_reference(w, i, s);
-    set_near(w, i, s);
+    set_reference(rules, rows, lists, i, s);
+    set_near(rules, rows, lists, i, s);
     skins += s / (2 * x[3]);
   }
   return true;
@@ -36,50 +36,51 @@ bool cut_skins(World& w, const Chunk& c, double& skins) {
 
 }  // namespace
 
-void set_near(World& w, Row i, double skin) {
-  const double* x = w.p.data() + 4L * i;
-  double* near = w.near.data() + 4L * i;
+void set_near(const Rules& rules, const Rows& rows, Lists& lists, Row i, double skin) {
+  const double* x = rows.p.data() + 4L * i;
+  double* near = lists.near.data() + 4L * i;
   for (int k = 0; k < 3; ++k) near[k] = x[k];
-  const double extent = fmax2(w.size.x, fmax2(w.size.y, w.size.z));
+  const double extent = fmax2(rules.size.x, fmax2(rules.size.y, rules.size.z));
   // rounding of squares and coordinates is in the reach, as in set_skins
-  near[3] = x[0] < 1e100 ? (x[3] + w.skin.range(x[3]) + skin) * (1 + 1e-12) + 4e-16 * extent : 0.0;
+  near[3] = x[0] < 1e100 ? (x[3] + lists.skin.range(x[3]) + skin) * (1 + 1e-12) + 4e-16 * extent : 0.0;
 }
 
-Sections cut_sections(World& w, Chunk& c, ListScratch& t, const Sections* fresh) {
+Sections cut_sections(const Rules& rules, const Rows& rows, const Lists& lists, Chunk& c, ListScratch& t,
+                      const Sections* fresh) {
   if (fresh != nullptr) {
     std::int64_t total = 0;
     for (const std::int64_t n : fresh->n) total += (n + 7) / 8 * 8;
-    grow_discarding(c.outer_i, static_cast<std::size_t>(total) + k_pad);
-    grow_discarding(c.outer_j, static_cast<std::size_t>(total) + k_pad);
+    grow_discarding(c.outer.pi, static_cast<std::size_t>(total) + k_pad);
+    grow_discarding(c.outer.pj, static_cast<std::size_t>(total) + k_pad);
     std::int64_t slot = 0;
     for (int s = 0; s < 3; ++s) {
       const std::int64_t n = fresh->n[s], padded = (n + 7) / 8 * 8;
-      std::copy_n(fresh->i[s], n, c.outer_i.data() + slot);
-      std::copy_n(fresh->j[s], n, c.outer_j.data() + slot);
-      std::fill_n(c.outer_i.data() + slot + n, padded - n, w.n);
-      std::fill_n(c.outer_j.data() + slot + n, padded - n, w.n);
-      c.outer_end[s] = slot += padded;
+      std::copy_n(fresh->i[s], n, c.outer.pi.data() + slot);
+      std::copy_n(fresh->j[s], n, c.outer.pj.data() + slot);
+      std::fill_n(c.outer.pi.data() + slot + n, padded - n, rows.n);
+      std::fill_n(c.outer.pj.data() + slot + n, padded - n, rows.n);
+      c.outer.end[s] = slot += padded;
     }
   }
-  const auto room = static_cast<std::size_t>(c.outer_end[2]) + 2 * k_pad;
+  const auto room = static_cast<std::size_t>(c.outer.end[2]) + 2 * k_pad;
   grow_discarding(t.build[0], room);
   grow_discarding(t.build[1], room);
   grow_discarding(t.mask, room);
   NarrowArgs a{};  // pairs within reach are found as contacts are
-  a.p = w.near.data();
-  a.pi = c.outer_i.data();
-  a.pj = c.outer_j.data();
+  a.p = lists.near.data();
+  a.pi = c.outer.pi.data();
+  a.pj = c.outer.pj.data();
   a.mask = t.mask.data();
   for (int k = 0; k < 3; ++k) {
-    a.end[k] = c.outer_end[k];
-    const bool periodic = w.scene.domain.periodic(k);
-    a.half[k] = periodic ? 0.5 * w.size[k] : 1e300;
-    a.period[k] = periodic ? w.size[k] : 0.0;
+    a.end[k] = c.outer.end[k];
+    const bool periodic = rules.scene.domain.periodic(k);
+    a.half[k] = periodic ? 0.5 * rules.size[k] : 1e300;
+    a.period[k] = periodic ? rules.size[k] : 0.0;
   }
-  a.periodic = w.has.periodic ? 1 : 0;
+  a.periodic = rules.has.periodic ? 1 : 0;
   a.ci = t.build[0].data();
   a.cj = t.build[1].data();
-  w.kernels->narrow(a);
+  rules.kernels->narrow(a);
   Sections inner{};
   std::int64_t from = 0;
   for (int s = 0; s < 3; ++s) {
@@ -91,33 +92,34 @@ Sections cut_sections(World& w, Chunk& c, ListScratch& t, const Sections* fresh)
   return inner;
 }
 
-bool cut_lists(World& w) {
-  if (!w.skin.cuts() || w.structure || !w.lists_valid || w.frame.rows != w.n) return false;
-  if (w.has.moving_walls && w.walls.expired()) return false;
+bool cut_lists(const Rules& rules, const Clock& clock, const Rows& rows, Contacts& contacts, Lists& lists,
+               Counters& counters, const WallSet& walls, Team& team) {
+  if (!lists.skin.cuts() || clock.structure || !lists.valid || lists.frame.rows != rows.n) return false;
+  if (rules.has.moving_walls && walls.expired()) return false;
   struct alignas(64) Part {
     double skins = 0;
     bool enough = false;
   };
-  std::vector<Part> parts(w.chunks.size());
-  parallel(w, static_cast<int>(w.chunks.size()), [&](int q) {
+  std::vector<Part> parts(contacts.chunks.size());
+  parallel(team, static_cast<int>(contacts.chunks.size()), [&](int q) {
     Part& part = parts[static_cast<std::size_t>(q)];
-    part.enough = cut_skins(w, *w.chunks[static_cast<std::size_t>(q)], part.skins);
+    part.enough = cut_skins(rules, rows, lists, *contacts.chunks[static_cast<std::size_t>(q)], part.skins);
   });
   double skins = 0;
   for (const Part& p : parts) {
     if (!p.enough) return false;
     skins += p.skins;
   }
-  w.any_expired.store(false, std::memory_order_relaxed);
-  w.frame.built = w.step;
-  w.frame.mean_skin = w.alive > 0 ? skins / static_cast<double>(w.alive) : 0;
-  for_chunks(w, [](World& world, Chunk& c) {
-    ListScratch* t = world.list_scratch.take();
-    replace_list(world, c, *t, cut_sections(world, c, *t, nullptr));
-    world.list_scratch.give(t);
+  lists.any_expired.store(false, std::memory_order_relaxed);
+  lists.frame.built = clock.step;
+  lists.frame.mean_skin = rows.alive > 0 ? skins / static_cast<double>(rows.alive) : 0;
+  for_chunks(team, contacts, [&](Chunk& c) {
+    ListScratch* t = team.list_scratch.take();
+    replace_list(rules, rows, c, *t, cut_sections(rules, rows, lists, c, *t, nullptr));
+    team.list_scratch.give(t);
   });
-  count_pairs(w);
-  ++w.counters.cuts;
+  count_pairs(contacts, counters);
+  ++counters.cuts;
   return true;
 }
 

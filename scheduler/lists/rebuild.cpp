@@ -1,10 +1,12 @@
 // Rebuild of the pair lists: search, history carry-over, wall candidates, chunk by chunk.
 // Who calls it: the rebuild node and sort epochs. Invariants: I1, I2, I3 (a rebuild never changes storage order;
 // sections sorted by (i, j)), I5.
+#include "scheduler/lists/rebuild.hpp"
+
 #include <algorithm>
 #include <cstring>
 
-#include "scheduler/step/world.hpp"
+#include "scheduler/nodes/faults.hpp"
 #include "scheduler/team/parallel.hpp"
 
 namespace talus {
@@ -16,26 +18,26 @@ namespace {
 constexpr float k_group_extent = 6, k_group_ratio = 8;
 
 /// Searches the chunk's rows; the sections stay in the scratch's build columns.
-Sections search_chunk(World& w, const Chunk& c, ListScratch& t) {
+Sections search_chunk(const Rules& rules, const Rows& rows, const Lists& lists, const Chunk& c, ListScratch& t) {
   SearchArgs a{};
-  a.x = w.sx.data();
-  a.y = w.sy.data();
-  a.z = w.sz.data();
-  a.r = w.sr.data();
-  a.row = w.sorted_row.data();
-  a.start = w.cell_start.data();
-  a.level = w.level;
-  a.levels = w.levels;
-  for (int k = 0; k < 3; ++k) a.period[k] = w.scene.domain.periodic(k) ? w.size[k] : 0.0;
-  a.p = w.p.data();
-  a.reach = w.reach.data();
-  a.fixed = w.has.fixed ? w.fixed.data() : nullptr;
+  a.x = lists.grid.sx.data();
+  a.y = lists.grid.sy.data();
+  a.z = lists.grid.sz.data();
+  a.r = lists.grid.sr.data();
+  a.row = lists.grid.sorted_row.data();
+  a.start = lists.grid.cell_start.data();
+  a.level = lists.grid.level;
+  a.levels = lists.grid.levels;
+  for (int k = 0; k < 3; ++k) a.period[k] = rules.scene.domain.periodic(k) ? rules.size[k] : 0.0;
+  a.p = rows.p.data();
+  a.reach = lists.grid.reach.data();
+  a.fixed = rules.has.fixed ? rows.fixed.data() : nullptr;
   a.group_extent = k_group_extent;
   a.group_ratio = k_group_ratio;
   a.lo = a.next = c.lo;
   a.hi = c.hi;
-  const auto rows = static_cast<std::size_t>(c.hi - c.lo);
-  for (int s = 0; s < 6; ++s) grow_discarding(t.build[s], rows * (s < 2 || s > 3 ? 2 : 6) + 256);
+  const auto own = static_cast<std::size_t>(c.hi - c.lo);
+  for (int s = 0; s < 6; ++s) grow_discarding(t.build[s], own * (s < 2 || s > 3 ? 2 : 6) + 256);
   grow_discarding(t.hits, 1024);
   for (;;) {
     for (auto* column : {&t.x, &t.y, &t.z, &t.r}) grow_discarding(*column, t.hits.size());
@@ -52,7 +54,7 @@ Sections search_chunk(World& w, const Chunk& c, ListScratch& t) {
     a.tag = t.tag.data();
     a.hits = t.hits.data();
     a.candidate_capacity = static_cast<std::int32_t>(t.hits.size()) - k_pad;
-    w.kernels->search(a);
+    rules.kernels->search(a);
     if (a.next >= a.hi) break;
     // either ran out, which is rare: grow both (sections keep their content)
     t.hits.resize(2 * t.hits.size());
@@ -69,14 +71,14 @@ Sections search_chunk(World& w, const Chunk& c, ListScratch& t) {
 
 /// Touching pairs of the present list as ordered keys (i, j), each section closed by a last key.
 void collect_keys(const Chunk& c, ListScratch& t) {
-  grow_discarding(t.keys, static_cast<std::size_t>(c.contact_end[2]) + 3);
+  grow_discarding(t.keys, static_cast<std::size_t>(c.contacts.end[2]) + 3);
   std::uint64_t* out = t.keys.data();
   std::int64_t slot = 0;
   for (int s = 0; s < 3; ++s) {
-    for (; slot < c.end[s]; slot += 8)
-      for (unsigned m = c.mask[static_cast<std::size_t>(slot >> 3)]; m != 0; m &= m - 1) {
+    for (; slot < c.list.end[s]; slot += 8)
+      for (unsigned m = c.list.mask[static_cast<std::size_t>(slot >> 3)]; m != 0; m &= m - 1) {
         const auto q = static_cast<std::size_t>(slot + __builtin_ctz(m));
-        *out++ = pair_key(c.pi[q], c.pj[q]);
+        *out++ = pair_key(c.list.pi[q], c.list.pj[q]);
       }
     *out++ = ~std::uint64_t{0};
   }
@@ -84,24 +86,25 @@ void collect_keys(const Chunk& c, ListScratch& t) {
 
 /// Lays the three sections into the flat list and merges the old contacts into mask and history. A contact that opened
 /// in the last integration may be absent from the new list: its history is dropped (I5).
-void assemble_chunk(World& w, Chunk& c, ListScratch& t, const Sections& list, const std::uint64_t* keys) {
+void assemble_chunk(const Rules& rules, const Rows& rows, Chunk& c, ListScratch& t, const Sections& list,
+                    const std::uint64_t* keys) {
   std::int64_t total = 0;
   for (int s = 0; s < 3; ++s) {
-    c.pairs[s] = list.n[s];
+    c.list.pairs[s] = list.n[s];
     total += (list.n[s] + 7) / 8 * 8;
   }
-  grow_discarding(c.pi, static_cast<std::size_t>(total) + k_pad);
-  grow_discarding(c.pj, static_cast<std::size_t>(total) + k_pad);
-  grow_discarding(c.mask, static_cast<std::size_t>(total / 8) + k_pad);
+  grow_discarding(c.list.pi, static_cast<std::size_t>(total) + k_pad);
+  grow_discarding(c.list.pj, static_cast<std::size_t>(total) + k_pad);
+  grow_discarding(c.list.mask, static_cast<std::size_t>(total / 8) + k_pad);
   t.lost.clear();
   std::int64_t slot = 0, k = 0;  // k counts contacts, keys[k + s] is the present one
   for (int s = 0; s < 3; ++s) {
     const std::int32_t *bi = list.i[s], *bj = list.j[s];
     const std::int64_t n = list.n[s], padded = (n + 7) / 8 * 8;
-    std::memcpy(c.pi.data() + slot, bi, static_cast<std::size_t>(n) * sizeof(std::int32_t));
-    std::memcpy(c.pj.data() + slot, bj, static_cast<std::size_t>(n) * sizeof(std::int32_t));
+    std::memcpy(c.list.pi.data() + slot, bi, static_cast<std::size_t>(n) * sizeof(std::int32_t));
+    std::memcpy(c.list.pj.data() + slot, bj, static_cast<std::size_t>(n) * sizeof(std::int32_t));
     for (std::int64_t q = n; q < padded; ++q)
-      c.pi[static_cast<std::size_t>(slot + q)] = c.pj[static_cast<std::size_t>(slot + q)] = w.n;
+      c.list.pi[static_cast<std::size_t>(slot + q)] = c.list.pj[static_cast<std::size_t>(slot + q)] = rows.n;
     const std::uint64_t* key = keys + s;
     std::uint64_t next = key[k];
     for (std::int64_t q0 = 0; q0 < n; q0 += 8) {
@@ -117,133 +120,114 @@ void assemble_chunk(World& w, Chunk& c, ListScratch& t, const Sections& list, co
         k += same ? 1 : 0;
         next = key[k];
       }
-      c.mask[static_cast<std::size_t>((slot + q0) >> 3)] = static_cast<std::uint8_t>(bits);
+      c.list.mask[static_cast<std::size_t>((slot + q0) >> 3)] = static_cast<std::uint8_t>(bits);
     }
     for (; key[k] != ~std::uint64_t{0}; ++k) t.lost.push_back(k);
     slot += padded;
-    c.end[s] = slot;
-    c.contact_end[s] = k - static_cast<std::int64_t>(t.lost.size());
+    c.list.end[s] = slot;
+    c.contacts.end[s] = k - static_cast<std::int64_t>(t.lost.size());
   }
   if (t.lost.empty()) return;
-  for (int h = 0; h < w.has.history_columns; ++h) {
+  for (int h = 0; h < rules.has.history_columns; ++h) {
     std::size_t to = 0, next = 0;
     for (std::int64_t q = 0; q < k; ++q) {
       if (next < t.lost.size() && t.lost[next] == q) {
         ++next;
         continue;
       }
-      c.h[h][to++] = c.h[h][static_cast<std::size_t>(q)];
+      c.contacts.h[h][to++] = c.contacts.h[h][static_cast<std::size_t>(q)];
     }
   }
 }
 
-void wall_candidates(World& w, Chunk& c) {
-  c.wall_row.clear();
-  c.wall_begin.clear();
-  c.wall_radius.clear();
-  c.wall_element.clear();
-  c.wall_distance.clear();
-  c.wall_nearest.clear();
+void wall_candidates(const Rules& rules, const Rows& rows, const Lists& lists, const WallSet& walls, Chunk& c) {
+  c.wall.row.clear();
+  c.wall.begin.clear();
+  c.wall.radius.clear();
+  c.wall.element.clear();
+  c.wall.distance.clear();
+  c.wall.nearest.clear();
   for (Row i = c.lo; i < c.hi; ++i) {
-    if (!w.is_alive(i) || (w.has.fixed && w.fixed[i] != 0)) continue;
-    const std::size_t before = c.wall_element.size();
-    const double own =
-        w.skin.cuts() ? w.outer[4L * i + 3] : __builtin_sqrt(w.x0[4L * i + 3]) / (w.options.seeded_fault == 3 ? 3 : 1);
-    const double skin = w.skin.to_walls(own) + drift_reach(w, i);
-    const Vec3 at{w.p[4L * i], w.p[4L * i + 1], w.p[4L * i + 2]};
-    const double radius = w.p[4L * i + 3] + 2 * w.skin.range(w.p[4L * i + 3]);
-    w.walls.candidates(at, radius + skin, c.wall_element, &c.wall_distance);
-    if (c.wall_element.size() == before) continue;
-    c.wall_row.push_back(i);
-    if (w.has.adhesion) c.wall_radius.push_back(radius);
-    c.wall_begin.push_back(static_cast<std::int32_t>(before));
-    c.wall_nearest.push_back(
-        *std::min_element(c.wall_distance.begin() + static_cast<std::ptrdiff_t>(before), c.wall_distance.end()));
+    if (!rows.is_alive(i) || (rules.has.fixed && rows.fixed[i] != 0)) continue;
+    const std::size_t before = c.wall.element.size();
+    const double own = lists.skin.cuts() ? lists.outer[4L * i + 3]
+                                         : __builtin_sqrt(lists.x0[4L * i + 3]) / Faults(rules.options).skin();
+    const double skin = lists.skin.to_walls(own) + drift_reach(lists, i);
+    const Vec3 at{rows.p[4L * i], rows.p[4L * i + 1], rows.p[4L * i + 2]};
+    const double radius = rows.p[4L * i + 3] + 2 * lists.skin.range(rows.p[4L * i + 3]);
+    walls.candidates(at, radius + skin, c.wall.element, &c.wall.distance);
+    if (c.wall.element.size() == before) continue;
+    c.wall.row.push_back(i);
+    if (rules.has.adhesion) c.wall.radius.push_back(radius);
+    c.wall.begin.push_back(static_cast<std::int32_t>(before));
+    c.wall.nearest.push_back(
+        *std::min_element(c.wall.distance.begin() + static_cast<std::ptrdiff_t>(before), c.wall.distance.end()));
   }
-  c.wall_begin.push_back(static_cast<std::int32_t>(c.wall_element.size()));
+  c.wall.begin.push_back(static_cast<std::int32_t>(c.wall.element.size()));
 }
 
 /// K of the walls' skins. Where K is chosen automatically they last half as long again as the lists are meant to: more
 /// than the tuner allows for an interval that something cut, so that a short one cannot make the next ones shorter.
-double wall_k(const World& w) {
-  return w.skin.outer * (w.tuner.on() && w.tuner.wanted() > 0 ? 1.5 * w.tuner.wanted() : w.scene.list.verlet_k);
+double wall_k(const Rules& rules, const Lists& lists) {
+  return lists.skin.outer *
+         (lists.tuner.on() && lists.tuner.wanted() > 0 ? 1.5 * lists.tuner.wanted() : rules.scene.list.verlet_k);
 }
 
 }  // namespace
 
-ListScratch* ListScratchPool::take() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (free_.empty()) {
-    all_.push_back(std::make_unique<ListScratch>());
-    return all_.back().get();
-  }
-  ListScratch* s = free_.back();
-  free_.pop_back();
-  return s;
-}
-
-void ListScratchPool::give(ListScratch* s) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  free_.push_back(s);
-}
-
-std::size_t ListScratchPool::bytes() const {
-  std::size_t b = 0;
-  for (const auto& s : all_) {
-    for (const auto* c : {&s->x, &s->y, &s->z, &s->r}) b += c->capacity() * sizeof(float);
-    for (const auto& c : s->build) b += c.capacity() * sizeof(std::int32_t);
-    b += (s->tag.capacity() + s->hits.capacity()) * sizeof(std::int32_t) + s->keys.capacity() * sizeof(std::uint64_t);
-  }
-  return b;
-}
-
-void for_chunks(World& w, void (*fn)(World&, Chunk&)) {
-  const int chunks = static_cast<int>(w.chunks.size());
-  w.shares.prepare(chunks, w.lane_choice.threads());
-  w.shares.begin_round();
-  parallel(w, chunks, [&](int) { fn(w, *w.chunks[static_cast<std::size_t>(w.shares.take(thread_slot(w)))]); });
-}
-
-void replace_list(World& w, Chunk& c, ListScratch& t, const Sections& s) {
-  if (c.distributed.empty()) {
+void replace_list(const Rules& rules, const Rows& rows, Chunk& c, ListScratch& t, const Sections& s) {
+  if (c.contacts.distributed.empty()) {
     collect_keys(c, t);
-    assemble_chunk(w, c, t, s, t.keys.data());
+    assemble_chunk(rules, rows, c, t, s, t.keys.data());
   } else {
-    assemble_chunk(w, c, t, s, c.distributed.data());
-    c.distributed.clear();
+    assemble_chunk(rules, rows, c, t, s, c.contacts.distributed.data());
+    c.contacts.distributed.clear();
   }
 }
 
-void count_pairs(World& w) {
-  w.counters.pairs = 0;
-  for (const auto& c : w.chunks) w.counters.pairs += 2 * c->pairs[1] + c->pairs[0] + c->pairs[2];
-  w.counters.pairs /= 2;
+void count_pairs(const Contacts& contacts, Counters& counters) {
+  counters.pairs = 0;
+  for (const auto& c : contacts.chunks) counters.pairs += 2 * c->list.pairs[1] + c->list.pairs[0] + c->list.pairs[2];
+  counters.pairs /= 2;
 }
 
-void rebuild_lists(World& w) {
-  w.any_expired.store(false, std::memory_order_relaxed);
-  prepare_skins(w);
-  fill_cells(w);
-  if (w.has.walls)
-    w.walls.mark(wall_k(w), w.scene.dt, 0.0, w.scene.list.policy == ListPolicy::always ? 0.0 : 0.5 * w.r_min);
-  for_chunks(w, [](World& world, Chunk& c) {
-    PartClock parts(c);
-    c.travel[0] = c.travel[1] = 0;
-    ListScratch* t = world.list_scratch.take();
-    Sections list = search_chunk(world, c, *t);
+void count_rebuild(const Clock& clock, const Lists& lists, Counters& counters, bool forced) {
+  if (forced) {
+    ++counters.rebuilds_forced;
+  } else {
+    ++counters.rebuilds_skin;
+    const std::int64_t interval = clock.step - lists.last_rebuild_step;
+    if (counters.shortest_interval == 0 || interval < counters.shortest_interval) counters.shortest_interval = interval;
+  }
+  if (counters.interval_steps.size() < 4096) counters.interval_steps.push_back(clock.step);
+}
+
+void rebuild_lists(const Rules& rules, const Clock& clock, const Rows& rows, Contacts& contacts, Lists& lists,
+                   Counters& counters, WallSet& walls, Team& team) {
+  lists.any_expired.store(false, std::memory_order_relaxed);
+  prepare_skins(rules, clock, rows, contacts, lists, team);
+  fill_cells(rules, clock, rows, contacts, lists, walls, team);
+  if (rules.has.walls)
+    walls.mark(wall_k(rules, lists), rules.scene.dt, 0.0,
+               rules.scene.list.policy == ListPolicy::always ? 0.0 : 0.5 * rules.r_min);
+  for_chunks(team, contacts, [&](Chunk& c) {
+    PartClock parts(c.rebuild_seconds);
+    c.result.travel[0] = c.result.travel[1] = 0;
+    ListScratch* t = team.list_scratch.take();
+    Sections list = search_chunk(rules, rows, lists, c, *t);
     parts.lap(RebuildPart::search);
-    if (world.skin.cuts()) list = cut_sections(world, c, *t, &list);
-    replace_list(world, c, *t, list);
-    world.list_scratch.give(t);
+    if (lists.skin.cuts()) list = cut_sections(rules, rows, lists, c, *t, &list);
+    replace_list(rules, rows, c, *t, list);
+    team.list_scratch.give(t);
     parts.lap(RebuildPart::history);
-    if (world.has.walls) {
-      wall_candidates(world, c);
+    if (rules.has.walls) {
+      wall_candidates(rules, rows, lists, walls, c);
       parts.lap(RebuildPart::walls);
     }
   });
-  count_pairs(w);
-  divide_chunks(w);
-  ++w.counters.rebuilds;
+  count_pairs(contacts, counters);
+  team.shares.divide(chunk_costs(contacts), team.lane_choice.threads());
+  ++counters.rebuilds;
 }
 
 }  // namespace talus

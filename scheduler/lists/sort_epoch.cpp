@@ -9,6 +9,7 @@
 
 #include "core/base/count.hpp"
 #include "scheduler/lists/hand_over.hpp"
+#include "scheduler/lists/rebuild.hpp"
 
 namespace talus {
 
@@ -28,26 +29,26 @@ constexpr int k_digit = 8;  ///< most bits per pass of the radix sort: counters 
 
 /// Sorts the present rows by cell key, then row. Afterwards sorted_row holds the old row of each new one, cell_of_row
 /// the new row of each old one or -1.
-void sort_rows(World& w) {
-  const auto rows = static_cast<std::size_t>(w.n);
-  grow_discarding(w.sorted_row, rows + 2 * k_pad);
-  grow_discarding(w.cell_of_row, rows + 2 * k_pad);
-  double *from = w.x0.data(), *to = from + 2 * rows;  // items: the bits of a key and a row
+void sort_rows(const Rules& rules, const Rows& rows, const Contacts& contacts, Lists& lists, Team& team) {
+  const auto count = static_cast<std::size_t>(rows.n);
+  grow_discarding(lists.grid.sorted_row, count + 2 * k_pad);
+  grow_discarding(lists.grid.cell_of_row, count + 2 * k_pad);
+  double *from = lists.x0.data(), *to = from + 2 * count;  // items: the bits of a key and a row
   const auto item = [](double* base, std::int64_t q) { return base + 2 * q; };
-  const Blocks blocks = counting_blocks(w, w.n, 1 << k_digit);
+  const Blocks blocks = counting_blocks(contacts, rows.n, 1 << k_digit);
   // The key comes from a grid of the scene alone, never from the list's cells (I3). Small grains rule it: within a cell
   // of a grain of 20 radii rows stay disordered, and a rebuild, which searches groups of neighbouring rows, took 320
   // instead of 134 ns per particle. Radii 1:5 uniform: no difference.
-  const double inverse = 1.0 / (2.6 * fmin2(w.r_max, 2 * w.r_min));
+  const double inverse = 1.0 / (2.6 * fmin2(rules.r_max, 2 * rules.r_min));
   std::vector<std::uint64_t> used(static_cast<std::size_t>(blocks.count), 0);
-  parallel(w, blocks.count, [&](int b) {
+  parallel(team, blocks.count, [&](int b) {
     std::uint64_t all = 0;
     for (std::int64_t i = blocks.from(b); i < blocks.to(b); ++i) {
       std::uint64_t k = 0;
-      if (w.is_alive(static_cast<Row>(i))) {
-        const double* x = w.p.data() + 4 * i;
+      if (rows.is_alive(static_cast<Row>(i))) {
+        const double* x = rows.p.data() + 4 * i;
         for (int a = 0; a < 3; ++a)
-          k |= spread21(static_cast<std::uint64_t>(cell_index(fmin2(x[a], w.size[a]) * inverse, 1 << 21))) << a;
+          k |= spread21(static_cast<std::uint64_t>(cell_index(fmin2(x[a], rules.size[a]) * inverse, 1 << 21))) << a;
         all |= k;
       } else {
         k = ~k;  // behind all others, as soon as one bit more than theirs is looked at
@@ -60,14 +61,14 @@ void sort_rows(World& w) {
   });
   std::uint64_t all = 0;
   for (const std::uint64_t u : used) all |= u;
-  const int bits = std::max(1, static_cast<int>(std::bit_width(all)) + (w.alive < w.n ? 1 : 0));
+  const int bits = std::max(1, static_cast<int>(std::bit_width(all)) + (rows.alive < rows.n ? 1 : 0));
   const int passes = (bits + k_digit - 1) / k_digit, digit = (bits + passes - 1) / passes;
   const std::uint64_t mask = (std::uint64_t{1} << digit) - 1;
   std::vector<std::int32_t> place(static_cast<std::size_t>(blocks.count) << digit);
   for (int pass = 0; pass < passes; ++pass) {
     const int shift = pass * digit;
     const auto digit_of = [&](const double* e) { return (std::bit_cast<std::uint64_t>(e[0]) >> shift) & mask; };
-    parallel(w, blocks.count, [&](int b) {
+    parallel(team, blocks.count, [&](int b) {
       std::int32_t* count = place.data() + (static_cast<std::size_t>(b) << digit);
       std::memset(count, 0, sizeof(std::int32_t) << digit);
       for (std::int64_t q = blocks.from(b); q < blocks.to(b); ++q) ++count[digit_of(item(from, q))];
@@ -79,7 +80,7 @@ void sort_rows(World& w) {
       f = sum;
       sum += n;
     }
-    parallel(w, blocks.count, [&](int b) {
+    parallel(team, blocks.count, [&](int b) {
       std::int32_t* next = place.data() + (static_cast<std::size_t>(b) << digit);
       for (std::size_t d = 0; d <= mask; ++d) next[d] += first[d];
       for (std::int64_t q = blocks.from(b); q < blocks.to(b); ++q) {
@@ -89,8 +90,8 @@ void sort_rows(World& w) {
           std::memcpy(item(to, at), e, 2 * sizeof(double));
         } else {
           const auto row = static_cast<std::size_t>(std::bit_cast<std::uint64_t>(e[1]));
-          w.sorted_row[static_cast<std::size_t>(at)] = static_cast<Row>(row);
-          w.cell_of_row[row] = at < w.alive ? at : -1;
+          lists.grid.sorted_row[static_cast<std::size_t>(at)] = static_cast<Row>(row);
+          lists.grid.cell_of_row[row] = at < rows.alive ? at : -1;
         }
       }
     });
@@ -98,107 +99,123 @@ void sort_rows(World& w) {
   }
 }
 
-/// Moves all columns of the rows into the new order.
-void permute_rows(World& w) {
-  const Blocks blocks = counting_blocks(w, w.alive, 1);
-  const Row* old_row = w.sorted_row.data();
-  const auto n = static_cast<std::size_t>(w.alive);
-  const auto stride = static_cast<std::size_t>(w.stride);
-  // the narrow columns pass through x0: 8 + 1 + 1 + 2 + 8 of its 32 bytes per row
-  auto* buffer = reinterpret_cast<unsigned char*>(w.x0.data());
-  struct Narrow {
-    unsigned char *column, *copy;
-    std::size_t width;
+/// Rows [lo, hi) of `to` are rows old_row[lo, hi) of `from`, `width` bytes each.
+void gather(unsigned char* to, const unsigned char* from, std::size_t width, const Row* old_row, std::size_t lo,
+            std::size_t hi) {
+  const auto rows_of = [&](auto w) {
+    for (std::size_t q = lo; q < hi; ++q) std::memcpy(to + w * q, from + w * static_cast<std::size_t>(old_row[q]), w);
   };
-  std::array<Narrow, 5> narrow;
-  std::size_t columns = 0;
-  const auto add = [&](auto& column) {
-    const std::size_t width = sizeof column[0];
-    narrow[columns++] = {reinterpret_cast<unsigned char*>(column.data()), buffer, width};
-    buffer += width * n;
-  };
-  add(w.id);
-  if (w.has.materials) add(w.material);
-  if (w.has.fixed) add(w.fixed);
-  if (w.has.groups) add(w.group);
-  if (w.frame.noted) add(w.next_skin);
-  parallel(w, blocks.count, [&](int b) {
+  switch (width) {
+    case 1:
+      return rows_of(std::integral_constant<std::size_t, 1>{});
+    case 2:
+      return rows_of(std::integral_constant<std::size_t, 2>{});
+    case 8:
+      return rows_of(std::integral_constant<std::size_t, 8>{});
+    case 32:
+      return rows_of(std::integral_constant<std::size_t, 32>{});
+    case 64:
+      return rows_of(std::integral_constant<std::size_t, 64>{});
+    default:
+      return rows_of(width);
+  }
+}
+
+/// Moves columns [first, last) of `moving` through the buffer: gathered in the new order, then copied back.
+void permute_through(std::span<const Columns::Entry* const> moving, unsigned char* buffer, const Row* old_row,
+                     std::size_t n, const Blocks& blocks, Team& team) {
+  std::vector<unsigned char*> copies;
+  for (const Columns::Entry* e : moving) {
+    copies.push_back(buffer);
+    buffer += e->bytes * n;
+  }
+  parallel(team, blocks.count, [&](int b) {
     const auto lo = static_cast<std::size_t>(blocks.from(b)), hi = static_cast<std::size_t>(blocks.to(b));
-    for (std::size_t q = lo; q < hi; ++q) {
-      const auto o = static_cast<std::size_t>(old_row[q]);
-      std::memcpy(w.p2.data() + 4 * q, w.p.data() + 4 * o, 4 * sizeof(double));
-      std::memcpy(w.v2.data() + stride * q, w.v.data() + stride * o, stride * sizeof(double));
-    }
-    for (std::size_t k = 0; k < columns; ++k) {
-      const Narrow c = narrow[k];
-      const auto gather = [&](auto width) {
-        for (std::size_t q = lo; q < hi; ++q)
-          std::memcpy(c.copy + width * q, c.column + width * static_cast<std::size_t>(old_row[q]), width);
-      };
-      if (c.width == 8) {
-        gather(std::integral_constant<std::size_t, 8>{});
-      } else if (c.width == 2) {
-        gather(std::integral_constant<std::size_t, 2>{});
-      } else {
-        gather(std::integral_constant<std::size_t, 1>{});
-      }
+    for (std::size_t k = 0; k < moving.size(); ++k)
+      gather(copies[k], moving[k]->data(), moving[k]->bytes, old_row, lo, hi);
+  });
+  parallel(team, blocks.count, [&](int b) {
+    const auto lo = static_cast<std::size_t>(blocks.from(b)), hi = static_cast<std::size_t>(blocks.to(b));
+    for (std::size_t k = 0; k < moving.size(); ++k) {
+      const std::size_t width = moving[k]->bytes;
+      std::memcpy(moving[k]->data() + width * lo, copies[k] + width * lo, width * (hi - lo));
     }
   });
-  parallel(w, blocks.count, [&](int b) {
+}
+
+/// Moves all columns of the rows into the new order: those with a second buffer into it, the others through x0.
+void permute_rows(Rows& rows, const Contacts& contacts, Lists& lists, Team& team) {
+  const Blocks blocks = counting_blocks(contacts, rows.alive, 1);
+  const Row* old_row = lists.grid.sorted_row.data();
+  const auto n = static_cast<std::size_t>(rows.alive);
+  std::vector<const Columns::Entry*> doubled, single;
+  for (const Columns::Entry& e : rows.columns.all())
+    if (e.info.in && e.info.moves) (e.spare != nullptr ? doubled : single).push_back(&e);
+  parallel(team, blocks.count, [&](int b) {
     const auto lo = static_cast<std::size_t>(blocks.from(b)), hi = static_cast<std::size_t>(blocks.to(b));
-    for (std::size_t k = 0; k < columns; ++k) {
-      const Narrow c = narrow[k];
-      std::memcpy(c.column + c.width * lo, c.copy + c.width * lo, c.width * (hi - lo));
-    }
+    for (const Columns::Entry* e : doubled) gather(e->data_of(e->spare), e->data(), e->bytes, old_row, lo, hi);
   });
-  std::swap(w.p, w.p2);
-  std::swap(w.v, w.v2);
+  for (const Columns::Entry* e : doubled) e->swap(e->column, e->spare);
+  // as many at a time as the bytes of x0 hold
+  constexpr std::size_t room = 4 * sizeof(double);
+  auto* buffer = reinterpret_cast<unsigned char*>(lists.x0.data());
+  for (std::size_t from = 0, to = 0; from < single.size(); from = to) {
+    std::size_t bytes = 0;
+    while (to < single.size() && bytes + single[to]->bytes <= room) bytes += single[to++]->bytes;
+    if (to > from) {
+      permute_through(std::span(single).subspan(from, to - from), buffer, old_row, n, blocks, team);
+      continue;
+    }
+    Column<unsigned char> own(single[to]->bytes * n);  // wider than x0
+    permute_through(std::span(single).subspan(to++, 1), own.data(), old_row, n, blocks, team);
+  }
 }
 
 /// Every chunk looks up the wall contacts of its rows under their old row, and takes them in the order they had there.
-void take_wall_states(World& w, int chunks, const ChunkMap& old_chunk_of) {
-  parallel(w, chunks, [&](int k) {
-    Chunk& c = *w.chunks[static_cast<std::size_t>(k)];
-    c.wall_next.clear();
-    c.wall_moment_next.clear();
-    for (Row i = w.chunk_of.lo(k); i < w.chunk_of.hi(k, w.n); ++i) {
-      const Row o = w.sorted_row[static_cast<std::size_t>(i)];
-      const Chunk& old = *w.chunks[static_cast<std::size_t>(old_chunk_of(o))];
-      const std::vector<WallState>& from = old.wall_state;
+void take_wall_states(const Rules& rules, const Rows& rows, Contacts& contacts, const Lists& lists, Team& team,
+                      int chunks, const ChunkMap& old_chunk_of) {
+  parallel(team, chunks, [&](int k) {
+    Chunk& c = *contacts.chunks[static_cast<std::size_t>(k)];
+    c.wall.next.clear();
+    c.wall.moment_next.clear();
+    for (Row i = contacts.chunk_of.lo(k); i < contacts.chunk_of.hi(k, rows.n); ++i) {
+      const Row o = lists.grid.sorted_row[static_cast<std::size_t>(i)];
+      const Chunk& old = *contacts.chunks[static_cast<std::size_t>(old_chunk_of(o))];
+      const std::vector<WallState>& from = old.wall.state;
       if (from.empty() || o < from.front().row || o > from.back().row) continue;
       auto s = std::lower_bound(from.begin(), from.end(), o, [](const WallState& t, Row row) { return t.row < row; });
       for (; s != from.end() && s->row == o; ++s) {
-        c.wall_next.push_back(*s);
-        c.wall_next.back().row = i;
-        const auto m = old.wall_moment.begin() + (s - from.begin()) * w.has.moment_columns;
-        c.wall_moment_next.insert(c.wall_moment_next.end(), m, m + w.has.moment_columns);
+        c.wall.next.push_back(*s);
+        c.wall.next.back().row = i;
+        const auto m = old.wall.moment.begin() + (s - from.begin()) * rules.has.moment_columns;
+        c.wall.moment_next.insert(c.wall.moment_next.end(), m, m + rules.has.moment_columns);
       }
     }
   });
-  for (const auto& c : w.chunks) {
-    std::swap(c->wall_state, c->wall_next);
-    std::swap(c->wall_moment, c->wall_moment_next);
+  for (const auto& c : contacts.chunks) {
+    std::swap(c->wall.state, c->wall.next);
+    std::swap(c->wall.moment, c->wall.moment_next);
   }
 }
 
 /// Hands the contacts of the old lists over to the chunks of the new rows; those of removed grains end here.
-void hand_over_lists(World& w, int chunks) {
-  const Row* new_row = w.cell_of_row.data();
-  const Blocks blocks = counting_blocks(w, static_cast<std::int64_t>(w.chunks.size()), chunks);
-  const auto n = static_cast<std::size_t>(w.n);
-  const std::array<std::span<double>, 3> room{std::span(w.v2.data(), static_cast<std::size_t>(w.stride) * n),
-                                              std::span(w.p2.data(), 4 * n), std::span(w.x0.data(), 4 * n)};
-  hand_over(w, w.n, blocks, room, [&](int b, const auto& emit) {
+void hand_over_lists(const Rules& rules, Rows& rows, Contacts& contacts, Lists& lists, Team& team, int chunks) {
+  const Row* new_row = lists.grid.cell_of_row.data();
+  const Blocks blocks = counting_blocks(contacts, static_cast<std::int64_t>(contacts.chunks.size()), chunks);
+  const auto n = static_cast<std::size_t>(rows.n);
+  const std::array<std::span<double>, 3> room{std::span(rows.v2.data(), static_cast<std::size_t>(rules.stride) * n),
+                                              std::span(rows.p2.data(), 4 * n), std::span(lists.x0.data(), 4 * n)};
+  hand_over(rules, contacts, team, rows.n, blocks, room, [&](int b, const auto& emit) {
     for (std::int64_t k = blocks.from(b); k < blocks.to(b); ++k) {
-      const Chunk& c = *w.chunks[static_cast<std::size_t>(k)];
+      const Chunk& c = *contacts.chunks[static_cast<std::size_t>(k)];
       const double* h[k_max_columns];
-      for (int q = 0; q < k_max_columns; ++q) h[q] = c.h[q].data();
+      for (int q = 0; q < k_max_columns; ++q) h[q] = c.contacts.h[q].data();
       // the chunk above owns the pairs with lower chunks just as well
-      std::int64_t contact = c.contact_end[0];
-      for (std::int64_t slot = c.end[0]; slot < c.end[2]; slot += 8)
-        for (unsigned m = c.mask[static_cast<std::size_t>(slot >> 3)]; m != 0; m &= m - 1, ++contact) {
+      std::int64_t contact = c.contacts.end[0];
+      for (std::int64_t slot = c.list.end[0]; slot < c.list.end[2]; slot += 8)
+        for (unsigned m = c.list.mask[static_cast<std::size_t>(slot >> 3)]; m != 0; m &= m - 1, ++contact) {
           const auto q = static_cast<std::size_t>(slot + __builtin_ctz(m));
-          const Row i = new_row[c.pi[q]], j = new_row[c.pj[q]];
+          const Row i = new_row[c.list.pi[q]], j = new_row[c.list.pj[q]];
           if (i >= 0 && j >= 0) emit(i, j, h, contact);
         }
     }
@@ -207,31 +224,33 @@ void hand_over_lists(World& w, int chunks) {
 
 /// New borders for several threads: chunks of equal cost, so that equal numbers of them are equal shares. A row costs
 /// what the rows of its old chunk did; a sample of each group of rows is enough.
-ChunkMap equal_cost_chunks(const World& w) {
-  const std::vector<double> cost = chunk_costs(w);
-  const Row rows = ChunkMap::group_rows(w.chunk_size);
+ChunkMap equal_cost_chunks(const Rows& rows, const Contacts& contacts, const Lists& lists) {
+  const std::vector<double> cost = chunk_costs(contacts);
+  const Row step = ChunkMap::group_rows(contacts.chunk_size);
   std::vector<double> group;
-  for (Row i = 0; i < w.n; i += rows) {
-    const auto old = static_cast<std::size_t>(w.chunk_of(w.sorted_row[static_cast<std::size_t>(i)]));
-    group.push_back(cost[old] / std::max(1, w.chunks[old]->hi - w.chunks[old]->lo) * std::min(rows, w.n - i));
+  for (Row i = 0; i < rows.n; i += step) {
+    const auto old = static_cast<std::size_t>(contacts.chunk_of(lists.grid.sorted_row[static_cast<std::size_t>(i)]));
+    group.push_back(cost[old] / std::max(1, contacts.chunks[old]->hi - contacts.chunks[old]->lo) *
+                    std::min(step, rows.n - i));
   }
-  return ChunkMap(w.chunk_size, w.n, group);
+  return ChunkMap(contacts.chunk_size, rows.n, group);
 }
 
 }  // namespace
 
-void sort_epoch(World& w) {
-  sort_rows(w);
-  permute_rows(w);
-  set_particle_capacity(w, w.alive);  // before x0, p2 and v2 take the contacts: it writes the padding rows
-  const ChunkMap old_chunk_of = std::exchange(w.chunk_of, equal_cost_chunks(w));
-  const int chunks = w.chunk_of.count(w.n);
-  need_chunks(w, chunks);
-  hand_over_lists(w, chunks);
-  if (w.has.walls) take_wall_states(w, chunks, old_chunk_of);
-  w.velocity_at_old_step = false;
-  make_chunks(w);
-  ++w.counters.sort_epochs;
+void sort_epoch(const Rules& rules, Rows& rows, Contacts& contacts, Lists& lists, Counters& counters, Team& team) {
+  sort_rows(rules, rows, contacts, lists, team);
+  permute_rows(rows, contacts, lists, team);
+  set_particle_capacity(rows, rows.alive);  // before x0, p2 and v2 take the contacts: it writes the padding rows
+  const ChunkMap old_chunk_of = std::exchange(contacts.chunk_of, equal_cost_chunks(rows, contacts, lists));
+  const int chunks = contacts.chunk_of.count(rows.n);
+  need_chunks(contacts, chunks);
+  hand_over_lists(rules, rows, contacts, lists, team, chunks);
+  if (rules.has.walls) take_wall_states(rules, rows, contacts, lists, team, chunks, old_chunk_of);
+  rows.velocity_at_old_step = false;
+  make_chunks(contacts, rows.n);
+  limit_lanes(rules, contacts, team);
+  ++counters.sort_epochs;
 }
 
 }  // namespace talus

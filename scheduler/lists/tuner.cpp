@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "scheduler/step/world.hpp"
+#include "scheduler/lists/rebuild.hpp"
 #include "scheduler/team/parallel.hpp"
 
 namespace talus {
@@ -87,52 +87,54 @@ struct SkinTuner::Use {
   }
 };
 
-void SkinTuner::prepare(const World& w) {
-  on_ = w.scene.list.automatic && w.skin.has_k();
-  has_floor_ = w.skin.floor_on;
-  k_ = w.scene.list.verlet_k;
-  floor_ = w.scene.list.floor;
-  spacing_ = static_cast<double>(w.scene.sort_every);
+void SkinTuner::prepare(const Rules& rules, const SkinRule& skin) {
+  on_ = rules.scene.list.automatic && skin.has_k();
+  has_floor_ = skin.floor_on;
+  k_ = rules.scene.list.verlet_k;
+  floor_ = rules.scene.list.floor;
+  spacing_ = static_cast<double>(rules.scene.sort_every);
 }
 
 /// K before anything is measured: K* = c (v dt / R)^-1/2 (cost model of tuner.hpp with pairs that grow with s / R), c
 /// from the chute of 32k grains.
-void SkinTuner::guess(World& w) {
-  double speeds = 0, radii = 0, rows = 0;
-  for (Row i = 0; i < w.n; ++i) {
-    if (!w.is_alive(i) || (w.has.fixed && w.fixed[i] != 0)) continue;
-    const double* v = w.v.data() + static_cast<long>(w.stride) * i;
+void SkinTuner::guess(const Rules& rules, const Clock& clock, const Rows& rows, Lists& lists) {
+  double speeds = 0, radii = 0, count = 0;
+  for (Row i = 0; i < rows.n; ++i) {
+    if (!rows.is_alive(i) || (rules.has.fixed && rows.fixed[i] != 0)) continue;
+    const double* v = rows.v.data() + static_cast<long>(rules.stride) * i;
     speeds += __builtin_sqrt((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
-    radii += w.p[4L * i + 3];
-    rows += 1;
+    radii += rows.p[4L * i + 3];
+    count += 1;
   }
-  if (!(rows > 0) || !(speeds < 1e200)) return;
-  cut_ = w.step;
-  k_ =
-      speeds > 0 ? std::clamp(2.3 * __builtin_sqrt(radii / (speeds * w.scene.dt)), k_first[0], k_first[1]) : k_first[1];
-  w.skin.k_dt = k_ * w.scene.dt;
+  if (!(count > 0) || !(speeds < 1e200)) return;
+  cut_ = clock.step;
+  k_ = speeds > 0 ? std::clamp(2.3 * __builtin_sqrt(radii / (speeds * rules.scene.dt)), k_first[0], k_first[1])
+                  : k_first[1];
+  lists.skin.k_dt = k_ * rules.scene.dt;
   guessed_ = true;
 }
 
-SkinTuner::Ticks SkinTuner::ticks(const World& w) const {
+SkinTuner::Ticks SkinTuner::ticks(const Rules& rules, const Team& team) const {
   Ticks t;
-  t.narrow = w.times.ticks(Node::narrow_phase);
-  t.walls = w.has.walls ? w.times.ticks(Node::wall_contact) : 0;
-  t.step = t.narrow + t.walls + w.times.ticks(Node::contact_force) + w.times.ticks(Node::integrate);
+  t.narrow = team.times.ticks(Node::narrow_phase);
+  t.walls = rules.has.walls ? team.times.ticks(Node::wall_contact) : 0;
+  t.step = t.narrow + t.walls + team.times.ticks(Node::contact_force) + team.times.ticks(Node::integrate);
   return t;
 }
 
-SkinTuner::Use SkinTuner::used_skins(World& w) const {
-  std::vector<Use> parts(w.chunks.size());
+SkinTuner::Use SkinTuner::used_skins(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts,
+                                     const Lists& lists, Team& team) const {
+  std::vector<Use> parts(contacts.chunks.size());
   const double floor2 = has_floor_ ? floor_ * floor_ * (1 + 1e-9) : 0;
-  parallel(w, static_cast<int>(w.chunks.size()), [&](int q) {
-    const Chunk& c = *w.chunks[static_cast<std::size_t>(q)];
+  parallel(team, static_cast<int>(contacts.chunks.size()), [&](int q) {
+    const Chunk& c = *contacts.chunks[static_cast<std::size_t>(q)];
     Use& use = parts[static_cast<std::size_t>(q)];
-    const Row last = std::min(c.hi, w.frame.rows);  // an insertion may have appended rows since
+    const Row last = std::min(c.hi, lists.frame.rows);  // an insertion may have appended rows since
     for (Row i = c.lo; i < last; ++i) {
-      const double *x = w.p.data() + 4L * i, *ref = w.x0.data() + 4L * i;
+      const double *x = rows.p.data() + 4L * i, *ref = lists.x0.data() + 4L * i;
       if (!(x[0] < 1e100) || !(ref[3] > 0) || !(ref[3] < 1e100)) continue;
-      const double size2 = 4 * x[3] * x[3], skin2 = ref[3] / size2, travelled2 = used2(w, i) / size2;
+      const double size2 = 4 * x[3] * x[3], skin2 = ref[3] / size2,
+                   travelled2 = used2(rules, clock, rows, lists, i) / size2;
       const double ratio2 = travelled2 / skin2;
       if (skin2 <= floor2) {
         use.floor_rows += 1;
@@ -140,7 +142,7 @@ SkinTuner::Use SkinTuner::used_skins(World& w) const {
         use.floor_ratio2 = fmax2(use.floor_ratio2, ratio2);
         continue;
       }
-      const double most = w.skin.most(x[3]) / (2 * x[3]);
+      const double most = lists.skin.most(x[3]) / (2 * x[3]);
       if (skin2 >= most * most * (1 - 1e-9)) {
         use.cap_rows += 1;
         use.cap_skin += __builtin_sqrt(skin2);
@@ -156,48 +158,49 @@ SkinTuner::Use SkinTuner::used_skins(World& w) const {
   });
   Use all;
   for (const Use& u : parts) all.add(u);
-  if (w.skin.policy == ListPolicy::velocity_profile)
-    all.life2 = square(static_cast<double>(w.step - w.frame.built) * w.scene.dt / w.skin.k_dt);
+  if (lists.skin.policy == ListPolicy::velocity_profile)
+    all.life2 = square(static_cast<double>(clock.step - lists.frame.built) * rules.scene.dt / lists.skin.k_dt);
   return all;
 }
 
-void SkinTuner::interval_ends(World& w) {
-  if (!on_ || ended_ == w.step) return;
-  ended_ = w.step;
-  if (!guessed_) return guess(w);
-  const std::int64_t steps = w.step - w.frame.built;
-  if (w.frame.rows == 0 || steps <= 0) return;
+void SkinTuner::interval_ends(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts,
+                              Lists& lists, Team& team) {
+  if (!on_ || ended_ == clock.step) return;
+  ended_ = clock.step;
+  if (!guessed_) return guess(rules, clock, rows, lists);
+  const std::int64_t steps = clock.step - lists.frame.built;
+  if (lists.frame.rows == 0 || steps <= 0) return;
   if (rest_ > 0 && static_cast<double>(steps) > 0.7 * wanted_ && static_cast<double>(steps) < 1.4 * wanted_) {
     --rest_;
     return;
   }
   rest_ = 0;
-  const Ticks now = ticks(w);
+  const Ticks now = ticks(rules, team);
   // Rows and contacts have their part in the narrow phase, in slots: 0.9 and 0.1. A further slot costs 0.9 ns whatever
   // the bed (uniform skins of 0.01 to 0.1 d, AMD Zen 5); what is left is worth 0.4 slots per row at rest, 1.0 and 1.6
   // in flowing beds of 32k and 128k grains.
-  const double work = slots_ + 0.9 * static_cast<double>(w.alive) + 0.1 * contacts_;
+  const double work = slots_ + 0.9 * static_cast<double>(rows.alive) + 0.1 * contacts_;
   // less: the profile was restarted in between
   if (now.narrow > begin_.narrow && now.walls >= begin_.walls && now.step > begin_.step && sampled_) {
     const auto n = static_cast<double>(steps);
     pair_.add(static_cast<double>(now.narrow - begin_.narrow) / (n * work));
     // a contact with a wall costs some three candidates
     if (wall_pairs_ > 0)
-      wall_pair_.add(static_cast<double>(now.walls - begin_.walls) / (n * (wall_pairs_ + 3 * wall_contacts(w))));
+      wall_pair_.add(static_cast<double>(now.walls - begin_.walls) / (n * (wall_pairs_ + 3 * wall_contacts(contacts))));
     step_.add(static_cast<double>(now.step - begin_.step) / n);
   }
-  const Use use = used_skins(w);
+  const Use use = used_skins(rules, clock, rows, contacts, lists, team);
   if (use.largest_ratio2() < 1) {  // an epoch, an insertion, a wall
     // two cuts close together are chance: down in half steps, up at once
-    const auto spacing = static_cast<double>(w.step - cut_);
+    const auto spacing = static_cast<double>(clock.step - cut_);
     if (spacing > 0) spacing_ = spacing < spacing_ ? __builtin_sqrt(spacing * spacing_) : spacing;
-    cut_ = w.step;
+    cut_ = clock.step;
   }
-  choose(w, use, static_cast<double>(steps));
+  choose(rules, lists, use, static_cast<double>(steps));
 }
 
 /// `use` holds for an interval of `steps`.
-void SkinTuner::choose(World& w, const Use& use, double steps) {
+void SkinTuner::choose(const Rules& rules, Lists& lists, const Use& use, double steps) {
   // 1. The (K', floor') of least total skin among those that last as long: K' = K * factor covers the classes that
   // floor' does not. Floors are tried upwards from what the rows at the floor need.
   double present = use.floor_rows * floor_ + use.cap_skin, least = 1e300, factor = 1, floor = floor_;
@@ -226,7 +229,7 @@ void SkinTuner::choose(World& w, const Use& use, double steps) {
   double ideal = __builtin_sqrt(rebuild * steps / slope);
   // the share that rebuilds should keep to, where that is near
   const double longer = step_.value() > 0 ? rebuild * (1 - k_share) / (k_share * step_.value()) : 0;
-  if (w.skin.policy == ListPolicy::velocity_profile)
+  if (lists.skin.policy == ListPolicy::velocity_profile)
     ideal = fmax2(ideal, fmin2(longer, k_longer_profile * ideal));
   else if (longer > ideal && longer < k_longer * ideal)
     ideal = longer;
@@ -245,16 +248,18 @@ void SkinTuner::choose(World& w, const Use& use, double steps) {
   if (factor > 0) move(k_, factor * k_ * scale, k_least_k, k_most_k);
   if (has_floor_) move(floor_, floor * scale, k_least_floor, k_most_floor);
   if (k_ > 0.9 * k_before && k_ < 1.1 * k_before) rest_ = k_rest;
-  w.skin.k_dt = k_ * w.scene.dt;
-  w.skin.floor = floor_;
+  lists.skin.k_dt = k_ * rules.scene.dt;
+  lists.skin.floor = floor_;
 }
 
-bool rebuild_tuned(World& w, bool may_cut) {
+bool rebuild_tuned(const Rules& rules, const Clock& clock, const Rows& rows, Contacts& contacts, Lists& lists,
+                   Counters& counters, WallSet& walls, Team& team, bool may_cut) {
   const std::uint64_t begin = __rdtsc();
-  w.tuner.interval_ends(w);
-  const bool cut = may_cut && cut_lists(w);
-  if (!cut) rebuild_lists(w);
-  w.tuner.list_built(w, static_cast<double>(__rdtsc() - begin) * w.threads, cut);
+  lists.tuner.interval_ends(rules, clock, rows, contacts, lists, team);
+  const bool cut = may_cut && cut_lists(rules, clock, rows, contacts, lists, counters, walls, team);
+  if (!cut) rebuild_lists(rules, clock, rows, contacts, lists, counters, walls, team);
+  lists.tuner.list_built(rules, rows, contacts, lists, walls, team,
+                         static_cast<double>(__rdtsc() - begin) * rules.threads, cut);
   return cut;
 }
 
@@ -263,7 +268,8 @@ double SkinTuner::list_ticks() const noexcept {
   return (rebuild_.value() + cuts_each_ * cut_list_.value()) / (1 + cuts_each_);
 }
 
-void SkinTuner::list_built(World& w, double rebuild_ticks, bool cut) {
+void SkinTuner::list_built(const Rules& rules, const Rows& rows, const Contacts& contacts, const Lists& lists,
+                           const WallSet& walls, Team& team, double rebuild_ticks, bool cut) {
   if (!on_) return;
   if (cut) {
     cuts_ += 1;
@@ -274,54 +280,55 @@ void SkinTuner::list_built(World& w, double rebuild_ticks, bool cut) {
   sampled_ = rest_ == 0;
   if (!sampled_) return;
   (cut ? cut_list_ : rebuild_).add(rebuild_ticks);
-  begin_ = ticks(w);
+  begin_ = ticks(rules, team);
   // pairs whose gap lies between 3/4 and 1 of their skins: what a change of skins adds or takes
-  const double stretch = 1 / (1 - 0.75 * (1 - 1 / w.frame.stretch));  // that of 3/4 of the lists' life
-  std::vector<std::int64_t> near_of(w.chunks.size());
-  parallel(w, static_cast<int>(w.chunks.size()), [&](int q) {
-    const Chunk& c = *w.chunks[static_cast<std::size_t>(q)];
+  const double stretch = 1 / (1 - 0.75 * (1 - 1 / lists.frame.stretch));  // that of 3/4 of the lists' life
+  std::vector<std::int64_t> near_of(contacts.chunks.size());
+  parallel(team, static_cast<int>(contacts.chunks.size()), [&](int q) {
+    const Chunk& c = *contacts.chunks[static_cast<std::size_t>(q)];
     std::int64_t near = 0;
-    for (std::int64_t group = 8 * (c.index % k_sample); group < c.end[2]; group += 8 * k_sample)
+    for (std::int64_t group = 8 * (c.index % k_sample); group < c.list.end[2]; group += 8 * k_sample)
       for (std::int64_t k = group; k < group + 8; ++k) {
-        const Row i = c.pi[static_cast<std::size_t>(k)], j = c.pj[static_cast<std::size_t>(k)];
-        if (i >= w.n || j >= w.n) continue;  // padding
-        const double *x = w.p.data() + 4L * i, *y = w.p.data() + 4L * j;
-        const double skins = __builtin_sqrt(w.x0[4L * i + 3]) + __builtin_sqrt(w.x0[4L * j + 3]);
-        const double touch = x[3] + w.skin.range(x[3]) + y[3] + w.skin.range(y[3]);
-        near += distance2(w, x, y) > square((touch + 0.75 * skins) * stretch) ? 1 : 0;
+        const Row i = c.list.pi[static_cast<std::size_t>(k)], j = c.list.pj[static_cast<std::size_t>(k)];
+        if (i >= rows.n || j >= rows.n) continue;  // padding
+        const double *x = rows.p.data() + 4L * i, *y = rows.p.data() + 4L * j;
+        const double skins = __builtin_sqrt(lists.x0[4L * i + 3]) + __builtin_sqrt(lists.x0[4L * j + 3]);
+        const double touch = x[3] + lists.skin.range(x[3]) + y[3] + lists.skin.range(y[3]);
+        near += distance2(rules, x, y) > square((touch + 0.75 * skins) * stretch) ? 1 : 0;
       }
     near_of[static_cast<std::size_t>(q)] = near;
   });
   std::int64_t near = 0;
   slots_ = contacts_ = 0;
-  for (std::size_t q = 0; q < w.chunks.size(); ++q) {
-    slots_ += static_cast<double>(w.chunks[q]->end[2]);
-    contacts_ += static_cast<double>(w.chunks[q]->contact_end[2]);
+  for (std::size_t q = 0; q < contacts.chunks.size(); ++q) {
+    slots_ += static_cast<double>(contacts.chunks[q]->list.end[2]);
+    contacts_ += static_cast<double>(contacts.chunks[q]->contacts.end[2]);
     near += near_of[q];
   }
   gain_ = 4.0 * k_sample * static_cast<double>(near);
-  if (w.has.walls) sample_walls(w);
+  if (rules.has.walls) sample_walls(rules, rows, contacts, lists, walls, team);
 }
 
 /// The same for walls: what the candidates of a sample of rows would be with 3/4 of their skins.
-void SkinTuner::sample_walls(World& w) {
+void SkinTuner::sample_walls(const Rules& rules, const Rows& rows, const Contacts& contacts, const Lists& lists,
+                             const WallSet& walls, Team& team) {
   struct Sums {
     double pairs = 0, sampled = 0, fewer = 0;
   };
-  std::vector<Sums> parts(w.chunks.size());
-  parallel(w, static_cast<int>(w.chunks.size()), [&](int q) {
-    const Chunk& c = *w.chunks[static_cast<std::size_t>(q)];
+  std::vector<Sums> parts(contacts.chunks.size());
+  parallel(team, static_cast<int>(contacts.chunks.size()), [&](int q) {
+    const Chunk& c = *contacts.chunks[static_cast<std::size_t>(q)];
     std::vector<std::int32_t> found;
     Sums s;
-    s.pairs = static_cast<double>(c.wall_element.size());
-    for (std::size_t k = static_cast<std::size_t>(c.index % k_wall_sample); k < c.wall_row.size(); k += k_wall_sample) {
-      const double* x = w.p.data() + 4L * c.wall_row[k];
-      const double* ref = (w.skin.cuts() ? w.outer : w.x0).data() + 4L * c.wall_row[k];
-      const double skin = w.skin.to_walls(w.skin.cuts() ? ref[3] : __builtin_sqrt(ref[3]));
-      const double drift = drift_reach(w, c.wall_row[k]);
+    s.pairs = static_cast<double>(c.wall.element.size());
+    for (std::size_t k = static_cast<std::size_t>(c.index % k_wall_sample); k < c.wall.row.size(); k += k_wall_sample) {
+      const double* x = rows.p.data() + 4L * c.wall.row[k];
+      const double* ref = (lists.skin.cuts() ? lists.outer : lists.x0).data() + 4L * c.wall.row[k];
+      const double skin = lists.skin.to_walls(lists.skin.cuts() ? ref[3] : __builtin_sqrt(ref[3]));
+      const double drift = drift_reach(lists, c.wall.row[k]);
       found.clear();
-      w.walls.candidates({x[0], x[1], x[2]}, x[3] + 2 * w.skin.range(x[3]) + 0.75 * (skin + drift), found);
-      s.sampled += static_cast<double>(c.wall_begin[k + 1] - c.wall_begin[k]);
+      walls.candidates({x[0], x[1], x[2]}, x[3] + 2 * lists.skin.range(x[3]) + 0.75 * (skin + drift), found);
+      s.sampled += static_cast<double>(c.wall.begin[k + 1] - c.wall.begin[k]);
       s.fewer += static_cast<double>(found.size());
     }
     parts[static_cast<std::size_t>(q)] = s;
@@ -336,9 +343,9 @@ void SkinTuner::sample_walls(World& w) {
   wall_gain_ = all.sampled > 0 ? 4 * fmax2(all.sampled - all.fewer, 0) * all.pairs / all.sampled : 0;
 }
 
-double SkinTuner::wall_contacts(const World& w) {
+double SkinTuner::wall_contacts(const Contacts& contacts) {
   double n = 0;
-  for (const auto& c : w.chunks) n += static_cast<double>(c->wall_state.size());
+  for (const auto& c : contacts.chunks) n += static_cast<double>(c->wall.state.size());
   return n;
 }
 

@@ -1,7 +1,7 @@
 // Automatic K: chooses K and the floor of the skins while the run goes, at rebuilds only. Who calls it: rebuild_tuned()
 // (interval_ends before the rows move, list_built after the lists are made), walls (wanted()).
-// Invariant: it writes nothing but w.skin.k_dt, w.skin.floor and its own members: list parameters, so a run keeps its
-// bits, though not its rebuild steps (they follow measured times). No checkpoint holds any of it.
+// Invariant: it writes nothing but Lists::skin.k_dt, Lists::skin.floor and its own members: list parameters, so a run
+// keeps its bits, though not its rebuild steps (they follow measured times). No checkpoint holds any of it.
 //
 // Model: a step costs C(N) = R / N + b P(N) + c W(N) beyond what lists cannot change: R a rebuild, b a candidate pair
 // in the narrow phase, c a candidate of a wall (measured, as medians: only their ratios matter, and their square
@@ -21,7 +21,14 @@
 
 namespace talus {
 
-struct World;
+struct Rules;
+struct Clock;
+struct Rows;
+struct Contacts;
+struct Lists;
+struct SkinRule;
+struct Team;
+class WallSet;
 
 /// Median of the last few values; the least of them while there are fewer than three (first ones are slow).
 class RecentMedian {
@@ -37,29 +44,33 @@ class RecentMedian {
 
 class SkinTuner {
  public:
-  void prepare(const World& w);
+  void prepare(const Rules& rules, const SkinRule& skin);
   bool on() const noexcept { return on_; }
   double k() const noexcept { return k_; }
   double floor() const noexcept { return floor_; }
   /// Steps that the present lists are meant to last; 0: nothing is known yet.
   double wanted() const noexcept { return wanted_; }
   /// Learns from the interval that ends now and sets the skins of the next one. Before rows are permuted.
-  void interval_ends(World& w);
+  void interval_ends(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts, Lists& lists,
+                     Team& team);
   /// `ticks`: of the rebuild, all threads; `cut`: it was an inner list cut out of the outer one (outer_inner).
-  void list_built(World& w, double ticks, bool cut);
+  void list_built(const Rules& rules, const Rows& rows, const Contacts& contacts, const Lists& lists,
+                  const WallSet& walls, Team& team, double ticks, bool cut);
 
  private:
   struct Use;
   struct Ticks {
     std::uint64_t narrow = 0, walls = 0, step = 0;
   };
-  void guess(World& w);
-  Ticks ticks(const World& w) const;
-  void sample_walls(World& w);
-  static double wall_contacts(const World& w);
+  void guess(const Rules& rules, const Clock& clock, const Rows& rows, Lists& lists);
+  Ticks ticks(const Rules& rules, const Team& team) const;
+  void sample_walls(const Rules& rules, const Rows& rows, const Contacts& contacts, const Lists& lists,
+                    const WallSet& walls, Team& team);
+  static double wall_contacts(const Contacts& contacts);
   double list_ticks() const noexcept;
-  Use used_skins(World& w) const;
-  void choose(World& w, const Use& use, double steps);
+  Use used_skins(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts, const Lists& lists,
+                 Team& team) const;
+  void choose(const Rules& rules, Lists& lists, const Use& use, double steps);
 
   bool on_ = false, has_floor_ = false, guessed_ = false, learned_ = false;
   bool sampled_ = false;  ///< the present list was looked at: slots_ and gain_ are its own

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "scheduler/step/world.hpp"
 #include "scheduler/team/parallel.hpp"
 
 namespace talus {
@@ -19,10 +18,10 @@ struct Nodes {
   int axis = -1, count = 1;
   double inverse = 0;  // nodes per metre
 
-  Nodes(const World& w, int along) : axis(along) {
-    const double n = w.size[axis] / (k_spacing * w.r_max);
+  Nodes(const Rules& rules, int along) : axis(along) {
+    const double n = rules.size[axis] / (k_spacing * rules.r_max);
     count = 1 + (n < 1 ? 1 : (n < k_most_nodes - 1 ? static_cast<int>(n) : k_most_nodes - 1));
-    inverse = (count - 1) / w.size[axis];
+    inverse = (count - 1) / rules.size[axis];
   }
   /// Lower node; `fraction`: of the way to the next one.
   int at(const double* x, double& fraction) const {
@@ -73,23 +72,24 @@ std::vector<Vec3> bounded_means(const std::vector<Sum>& node, double most) {
 
 }  // namespace
 
-double fit_velocity_profile(World& w, double life) {
+double fit_velocity_profile(const Rules& rules, const Rows& rows, const Contacts& contacts, Lists& lists, Team& team,
+                            double life) {
   std::vector<Nodes> axes;
   for (int k = 0; k < 3; ++k)
-    if (!w.scene.domain.periodic(k)) axes.emplace_back(w, k);
-  w.frame.stretch = 1;
+    if (!rules.scene.domain.periodic(k)) axes.emplace_back(rules, k);
+  lists.frame.stretch = 1;
   // sums by chunk and then over chunks: their order is that of the rows
-  const std::size_t chunks = w.chunks.size();
+  const std::size_t chunks = contacts.chunks.size();
   std::vector<std::vector<Sum>> parts(chunks);
   std::size_t nodes = 1;
   for (const Nodes& a : axes) nodes += static_cast<std::size_t>(a.count);
-  parallel(w, static_cast<int>(chunks), [&](int q) {
-    const Chunk& c = *w.chunks[static_cast<std::size_t>(q)];
+  parallel(team, static_cast<int>(chunks), [&](int q) {
+    const Chunk& c = *contacts.chunks[static_cast<std::size_t>(q)];
     std::vector<Sum>& sum = parts[static_cast<std::size_t>(q)];
     sum.resize(nodes);
     for (Row i = c.lo; i < c.hi; ++i) {
-      if (!w.is_alive(i)) continue;
-      const double *x = w.p.data() + 4L * i, *u = w.v.data() + static_cast<long>(w.stride) * i;
+      if (!rows.is_alive(i)) continue;
+      const double *x = rows.p.data() + 4L * i, *u = rows.v.data() + static_cast<long>(rules.stride) * i;
       const Vec3 v{u[0], u[1], u[2]};
       sum[0].velocity = sum[0].velocity + v;
       sum[0].weight += 1;
@@ -133,19 +133,19 @@ double fit_velocity_profile(World& w, double life) {
     double slope = 0;
     for (std::size_t k = 0; k + 1 < value.size(); ++k) slope = fmax2(slope, norm(value[k + 1] - value[k]));
     slope *= best->inverse;
-    w.frame.stretch = 1 / (1 - slope * life * (1 + 1e-9));
+    lists.frame.stretch = 1 / (1 - slope * life * (1 + 1e-9));
   }
   for (const Vec3& u : value) fastest = fmax2(fastest, norm(u));
-  parallel(w, static_cast<int>(chunks), [&](int q) {
-    const Chunk& c = *w.chunks[static_cast<std::size_t>(q)];
+  parallel(team, static_cast<int>(chunks), [&](int q) {
+    const Chunk& c = *contacts.chunks[static_cast<std::size_t>(q)];
     for (Row i = c.lo; i < c.hi; ++i) {
       Vec3 u = value[0];
-      if (best != nullptr && w.is_alive(i)) {
+      if (best != nullptr && rows.is_alive(i)) {
         double f = 0;
-        const auto k = static_cast<std::size_t>(best->at(w.p.data() + 4L * i, f));
+        const auto k = static_cast<std::size_t>(best->at(rows.p.data() + 4L * i, f));
         u = value[k] + f * (value[k + 1] - value[k]);
       }
-      for (int k = 0; k < 3; ++k) w.drift[4L * i + k] = static_cast<float>(u[k]);
+      for (int k = 0; k < 3; ++k) lists.drift[4L * i + k] = static_cast<float>(u[k]);
     }
   });
   return fastest;

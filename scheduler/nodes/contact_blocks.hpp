@@ -3,21 +3,40 @@
 // touches), whatever happened to the order of the contacts since the last step.
 #pragma once
 
-#include "scheduler/step/world.hpp"
+#include "scheduler/state/contacts.hpp"
+#include "scheduler/state/rows.hpp"
+#include "scheduler/state/rules.hpp"
 
 namespace talus {
 
+/// L1 buffers of one block of contacts; padding lanes must hold finite values.
+struct BlockBuffers {
+  alignas(64) double x[4][k_block + k_pad], g[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad],
+      reff[k_block + k_pad];
+  alignas(64) double t[3][k_block + k_pad];              ///< see Block::t
+  alignas(64) double s[4][k_block + k_pad];              ///< spins, then moments; rolling and twisting only
+  alignas(64) double h[k_max_history][k_block + k_pad];  ///< history of a block whose contacts have moved
+  alignas(64) std::int32_t pair[k_block + k_pad];
+  BlockBuffers() noexcept {
+    for (int k = 0; k < k_block + k_pad; ++k) {
+      reff[k] = 1;
+      pair[k] = 0;
+    }
+  }
+};
+
 /// Sets what the gather pass prefetches: rows and history of the block behind the one from contact k0 on.
-void prefetch_next(const World& w, const Chunk& c, std::int64_t k0, GatherArgs& g);
+void prefetch_next(const Rules& rules, const Rows& rows, const Chunk& c, std::int64_t k0, GatherArgs& g);
 
 class ContactBlocks {
  public:
-  /// After narrow_chunk. Where contacts have moved, the laws write into the scratch's columns.
-  ContactBlocks(const World& w, Chunk& c);
+  /// After the narrow phase of the chunk. Where contacts have moved, the laws write into the scratch's columns.
+  ContactBlocks(const Rules& rules, const Clock& clock, const Rows& rows, Chunk& c);
   /// Gathers the contacts from k0 on, at most k_block. Blocks have to be asked for in ascending order.
   Block gather(std::int64_t k0, BlockBuffers& buffers);
   /// The same, and evaluates the law; forces are in the returned block's r.
   Block evaluate(std::int64_t k0, BlockBuffers& buffers);
+  const LawArgs& law() const noexcept { return law_; }  ///< of the present step
   /// After the last block: what the laws have written becomes the chunk's history.
   void keep_history();
   /// Brings the chunk's history into the present order (tests that permute contacts need it so).
@@ -27,8 +46,11 @@ class ContactBlocks {
   void find_history(std::int64_t k0, int n, BlockBuffers& buffers, Block& b);
   [[nodiscard]] std::int64_t run_end(std::int32_t run) const;
 
-  const World& w_;
+  const Rules& rules_;
+  const Rows& rows_;
   Chunk& c_;
+  const LawArgs law_;
+  const MomentArgs moment_;
   GatherArgs args_;  ///< what all blocks have in common
   std::int32_t run_ = 0;
 };

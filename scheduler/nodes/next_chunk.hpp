@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "scheduler/step/world.hpp"
+#include "scheduler/state/contacts.hpp"
 
 namespace talus {
 
@@ -18,19 +18,25 @@ namespace talus {
 /// present chunk, too, integration gained 1.0 and the forces lost 0.6.
 class NextChunk {
  public:
-  NextChunk(const World& w, std::int64_t contacts) {
-    if (rows_stay_near(w)) return;
-    const int k = w.shares.next(thread_slot(w));
-    if (k < 0) return;
-    const Chunk& c = *w.chunks[static_cast<std::size_t>(k)];
-    const auto rows = static_cast<std::size_t>(c.hi - c.lo), slots = static_cast<std::size_t>(c.end[2]);
-    if (4 * contacts < c.hi - c.lo) return;  // a gas: too few blocks to spread it over, +1 %
-    blocks_ = (static_cast<std::size_t>(contacts) + k_block - 1) / k_block;
-    add(w.p.data() + 4L * c.lo, 4 * sizeof(double) * rows);
-    add(w.v.data() + static_cast<long>(w.stride) * c.lo, w.stride * sizeof(double) * rows);
-    add(c.pi.data(), sizeof(std::int32_t) * slots);
-    add(c.pj.data(), sizeof(std::int32_t) * slots);
-    add(c.mask.data(), slots / 8);
+  NextChunk() = default;  ///< nothing to fetch
+  /// `next`: the chunk that this thread will most likely get.
+  NextChunk(const Rows& rows, const Chunk& next) {
+    const auto own = static_cast<std::size_t>(next.hi - next.lo), slots = static_cast<std::size_t>(next.list.end[2]);
+    add(rows.p.data() + 4L * next.lo, 4 * sizeof(double) * own);
+    add(rows.v.data() + static_cast<long>(rows.stride) * next.lo,
+        static_cast<std::size_t>(rows.stride) * sizeof(double) * own);
+    add(next.list.pi.data(), sizeof(std::int32_t) * slots);
+    add(next.list.pj.data(), sizeof(std::int32_t) * slots);
+    add(next.list.mask.data(), slots / 8);
+    rows_ = next.hi - next.lo;
+  }
+  /// Before the first block of a chunk of so many contacts.
+  void spread_over(std::int64_t contacts) {
+    if (4 * contacts < rows_) pieces_ = 0;  // a gas: too few blocks to spread it over, +1 %
+    const std::size_t blocks = (static_cast<std::size_t>(contacts) + k_block - 1) / k_block;
+    for (int k = 0; k < pieces_; ++k)
+      piece_[k].step =
+          static_cast<std::ptrdiff_t>((static_cast<std::size_t>(piece_[k].end - piece_[k].at) / blocks / 64 + 1) * 64);
   }
   /// One block's share.
   void prefetch() {
@@ -47,11 +53,11 @@ class NextChunk {
   };
   void add(const void* from, std::size_t bytes) {
     const auto* at = static_cast<const char*>(from);
-    piece_[pieces_++] = {at, at + bytes, static_cast<std::ptrdiff_t>((bytes / blocks_ / 64 + 1) * 64)};
+    piece_[pieces_++] = {at, at + bytes, 0};
   }
   Piece piece_[5];
   int pieces_ = 0;
-  std::size_t blocks_ = 1;
+  Row rows_ = 0;
 };
 
 }  // namespace talus

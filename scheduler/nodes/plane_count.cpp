@@ -3,24 +3,23 @@
 // writes only its own crossings); nothing here influences the trajectory. Cost
 // of a plane: 17 instructions per grain and step, 49 where it is oblique and cuts a periodic axis (a step of a loose
 // bed with friction takes 380).
-#include "scheduler/step/world.hpp"
+#include "scheduler/nodes/plane_count.hpp"
 
 namespace talus {
 
-void plane_chunk(World& w, Chunk& c) {
-  NodeTimer timer(w, c, Node::plane_count);
+void plane_chunk(const Rows& rows, const PlaneCounts& counts, Chunk& c) {
   c.crossings.clear();
-  const std::vector<CountedPlane>& planes = w.planes.planes();
+  const std::vector<CountedPlane>& planes = counts.planes();
   for (std::size_t q = 0; q < planes.size(); ++q)
-    planes[q].find(w.p.data(), w.p2.data(), c.lo, c.hi, [&c, q](Row row, int net) {
+    planes[q].find(rows.p.data(), rows.p2.data(), c.lo, c.hi, [&c, q](Row row, int net) {
       c.crossings.push_back({row, static_cast<std::int32_t>(q), net});
     });
 }
 
-void add_crossings(World& w) {
-  w.planes.begin_step();
-  for (const auto& c : w.chunks)
-    for (const Crossing& x : c->crossings) w.planes.add(x.plane, x.net, w.mass(x.row));
+void add_crossings(const Rules& rules, const Rows& rows, const Contacts& contacts, PlaneCounts& planes) {
+  planes.begin_step();
+  for (const auto& c : contacts.chunks)
+    for (const Crossing& x : c->crossings) planes.add(x.plane, x.net, mass_of(rules, rows, x.row));
 }
 
 }  // namespace talus

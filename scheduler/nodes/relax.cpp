@@ -6,47 +6,47 @@
 // history.
 #include <algorithm>
 
-#include "scheduler/step/world.hpp"
+#include "scheduler/nodes/integrate.hpp"
 
 namespace talus {
 
-void relax_chunk(World& w, Chunk& c) {
+void relax_chunk(const Rules& rules, const Clock& clock, Rows& rows, const Lists& lists, Chunk& c) {
   const Scratch& s = *c.scratch;
-  const double dt = w.scene.dt;
-  const bool first = w.step == 0, last = w.step + 1 == w.scene.relax.steps;
-  c.out_count = 0;
-  c.expired = 0;
-  c.unstable_row = -1;
+  const double dt = rules.scene.dt;
+  const bool first = clock.step == 0, last = clock.step + 1 == rules.scene.relax.steps;
+  c.result.out_count = 0;
+  c.result.expired = 0;
+  c.result.unstable_row = -1;
   for (Row i = c.lo; i < c.hi; ++i) {
-    const double *p = w.p.data() + 4L * i, *v = w.v.data() + static_cast<long>(w.stride) * i;
-    double *p2 = w.p2.data() + 4L * i, *v2 = w.v2.data() + static_cast<long>(w.stride) * i;
-    std::copy(v, v + w.stride, v2);
+    const double *p = rows.p.data() + 4L * i, *v = rows.v.data() + static_cast<long>(rules.stride) * i;
+    double *p2 = rows.p2.data() + 4L * i, *v2 = rows.v2.data() + static_cast<long>(rules.stride) * i;
+    std::copy(v, v + rules.stride, v2);
     std::copy(p, p + 4, p2);
-    const double invm = v[w.stride - 1];
-    if (!w.is_alive(i)) continue;
+    const double invm = v[rules.stride - 1];
+    if (!rows.is_alive(i)) continue;
     if (invm > 0) {
-      const double* force = s.f.data() + static_cast<long>(w.stride) * (i - c.lo);
+      const double* force = s.f.data() + static_cast<long>(rules.stride) * (i - c.lo);
       const Vec3 f{force[0], force[1], force[2]};
       const double f2 = norm2(f);
       const double along = first ? 0.0 : dot(Vec3{v[0], v[1], v[2]}, f);
       Vec3 u = along > 0 ? (along / f2) * f : Vec3{};
       u = u + (dt * invm) * f;
-      const double cap = w.scene.relax.displacement * p[3] / dt, speed = norm(u);
+      const double cap = rules.scene.relax.displacement * p[3] / dt, speed = norm(u);
       if (speed > cap) u = (cap / speed) * u;
       for (int k = 0; k < 3; ++k) p2[k] = p[k] + dt * u[k];
       for (int k = 0; k < 3; ++k) v2[k] = last ? 0.0 : u[k];
-      if (w.has.rotation)
+      if (rules.has.rotation)
         for (int k = 4; k < 7; ++k) v2[k] = 0;
     } else {  // fixed and driven particles go their way
       for (int k = 0; k < 3; ++k) p2[k] = p[k] + dt * v[k];
     }
     bool out = false;
-    const double* ref = w.x0.data() + 4L * i;
+    const double* ref = lists.x0.data() + 4L * i;
     double moved = 0;
     for (int k = 0; k < 3; ++k) {
-      const double side = w.size[k];
+      const double side = rules.size[k];
       double d = 0;
-      if (w.scene.domain.periodic(k)) {
+      if (rules.scene.domain.periodic(k)) {
         if (p2[k] < 0) p2[k] = p2[k] + side;
         if (!(p2[k] < side)) p2[k] = p2[k] - side;
         d = p2[k] - ref[k];
@@ -58,14 +58,14 @@ void relax_chunk(World& w, Chunk& c) {
       }
       moved += d * d;
     }
-    if (out) c.out[static_cast<std::size_t>(c.out_count++)] = i;
-    if (!(moved <= ref[3])) c.expired = 1;
+    if (out) c.result.out[static_cast<std::size_t>(c.result.out_count++)] = i;
+    if (!(moved <= ref[3])) c.result.expired = 1;
   }
   // No memory of how the particles were pushed apart: the springs start unloaded.
-  for (int q = 0; q < w.has.history_columns; ++q)
-    std::fill_n(c.h[q].begin(), static_cast<std::ptrdiff_t>(c.contact_end[2]), 0.0);
-  for (WallState& t : c.wall_state) std::fill(std::begin(t.h), std::end(t.h), 0.0);
-  std::fill(c.wall_moment.begin(), c.wall_moment.end(), 0.0);
+  for (int q = 0; q < rules.has.history_columns; ++q)
+    std::fill_n(c.contacts.h[q].begin(), static_cast<std::ptrdiff_t>(c.contacts.end[2]), 0.0);
+  for (WallState& t : c.wall.state) std::fill(std::begin(t.h), std::end(t.h), 0.0);
+  std::fill(c.wall.moment.begin(), c.wall.moment.end(), 0.0);
 }
 
 }  // namespace talus

@@ -8,43 +8,15 @@
 #include <fstream>
 
 #include "core/base/error.hpp"
-#include "scheduler/step/world.hpp"
 
 namespace talus {
 
-const char* node_name(Node node) noexcept {
-  switch (node) {
-    case Node::displacement_check:
-      return "displacement_check";
-    case Node::insert:
-      return "insert";
-    case Node::sort_epoch:
-      return "sort_epoch";
-    case Node::rebuild:
-      return "rebuild";
-    case Node::narrow_phase:
-      return "narrow_phase";
-    case Node::contact_force:
-      return "contact_force";
-    case Node::wall_contact:
-      return "wall_contact";
-    case Node::integrate:
-      return "integrate";
-    case Node::plane_count:
-      return "plane_count";
-    case Node::energy:
-      return "energy";
-    default:
-      return "?";
-  }
-}
-
-NodeTimer::NodeTimer(World& w, const Chunk& c, Node node)
-    : w_(w), times_(w.times.mine()), chunk_(c.index), node_(node), timed_(Timed::node) {
+NodeTimer::NodeTimer(NodeTimes& times, int chunk, Node node)
+    : all_(times), times_(times.mine()), chunk_(chunk), node_(node), timed_(Timed::node) {
   if (times_ == nullptr) return;
   if (chunk_ < 0) {
-    outer_ = w.times.serial;
-    w.times.serial = {node, 0};
+    outer_ = times.serial;
+    times.serial = {node, 0};
   }
   outer_children_ = times_->children;
   times_->children = 0;
@@ -55,11 +27,11 @@ NodeTimer::NodeTimer(World& w, const Chunk& c, Node node)
   }
 }
 
-NodeTimer::NodeTimer(World& w, Timed timed, int block)
-    : w_(w), times_(w.times.mine()), chunk_(block), node_(w.times.serial.node), timed_(timed) {
-  if (node_ == Node::count) times_ = nullptr;  // an observation between two runs
+NodeTimer::NodeTimer(NodeTimes& times, Timed timed, int block)
+    : all_(times), times_(times.mine()), chunk_(block), node_(times.serial.node), timed_(timed) {
+  if (node_ == Node{-1}) times_ = nullptr;  // an observation between two runs
   if (times_ == nullptr) return;
-  if (timed == Timed::loop) ++w.times.serial.loops;
+  if (timed == Timed::loop) ++times.serial.loops;
   outer_children_ = times_->children;
   times_->children = 0;
   begin_ = __rdtsc();
@@ -80,14 +52,14 @@ NodeTimer::~NodeTimer() {
   t.ticks[k] += own;
   if (timed_ == Timed::node) {
     ++t.calls[k];
-    if (chunk_ < 0) w_.times.serial = outer_;
+    if (chunk_ < 0) all_.serial = outer_;
     // the next node of this chunk is ready now: until it starts, only the scheduler works. Another step's does not
     // count.
     t.last_chunk = node_ == Node::integrate ? -1 : chunk_;
     t.last_end = end;
   }
-  if (w_.times.tracing(w_.step))
-    t.trace.push_back({w_.step, begin_, end, chunk_, timed_ == Timed::block ? w_.times.serial.loops : 0, node_});
+  if (all_.tracing(all_.step))
+    t.trace.push_back({all_.step, begin_, end, chunk_, timed_ == Timed::block ? all_.serial.loops : 0, node_});
 }
 
 void NodeTimes::prepare(int threads) {
@@ -160,9 +132,9 @@ Profile NodeTimes::report() const {
       p.tasks += t.calls[static_cast<int>(n)];
   }
   p.hop = hops > 0 ? scale * static_cast<double>(hop_ticks) / static_cast<double>(hops) : 0;
-  for (int k = 0; k < static_cast<int>(Node::count); ++k) {
+  for (int k = 0; k < static_cast<int>(names.size()); ++k) {
     NodeTime row;
-    row.node = node_name(static_cast<Node>(k));
+    row.node = names[static_cast<std::size_t>(k)];
     double largest = 0;
     for (const ThreadTimes& t : threads_) {
       const double seconds = scale * static_cast<double>(t.ticks[k]);
@@ -199,7 +171,7 @@ void NodeTimes::write(const std::string& path, const std::vector<std::pair<std::
       out << fmt::format(
           ",\n{{\"ph\":\"X\",\"pid\":1,\"tid\":{},\"ts\":{:.3f},\"dur\":{:.3f},\"name\":\"{}\",\"args\":{{\"step\":{}",
           k, microseconds * static_cast<double>(e.begin - first), microseconds * static_cast<double>(e.end - e.begin),
-          node_name(e.node), e.step);
+          names[static_cast<std::size_t>(e.node)], e.step);
       if (e.loop > 0)
         out << fmt::format(",\"loop\":{},\"block\":{}", e.loop, e.chunk);
       else if (e.chunk >= 0)

@@ -16,10 +16,7 @@
 
 namespace talus {
 
-struct World;
-struct Chunk;
-
-/// Nodes of the step graph, in order; names are the same in graph, explain, profile and trace.
+/// Nodes of the step graph, in order; those of optional parts follow from `count` on.
 enum class Node : int {
   displacement_check,
   insert,
@@ -33,7 +30,7 @@ enum class Node : int {
   energy,
   count
 };
-const char* node_name(Node node) noexcept;
+inline constexpr int k_most_nodes = 24;  ///< with those of optional parts
 
 /// What a timer times: an execution of a node; a block of a parallel loop inside a serial node; the whole parallel
 /// loop, of which the part that is not in own blocks is waiting for other threads.
@@ -49,8 +46,8 @@ struct TraceEvent {
 
 /// What one thread has done since the last restart; one or more cache lines of its own.
 struct alignas(128) ThreadTimes {
-  std::uint64_t ticks[static_cast<int>(Node::count)] = {};
-  std::int64_t calls[static_cast<int>(Node::count)] = {};
+  std::uint64_t ticks[k_most_nodes] = {};
+  std::int64_t calls[k_most_nodes] = {};
   std::uint64_t waiting = 0;   ///< inside a serial node, for other threads' blocks
   std::uint64_t children = 0;  ///< ticks of finished timers inside the open one
   std::uint64_t last_end = 0;  ///< of the last chunk node, for the time between chained nodes
@@ -62,7 +59,7 @@ struct alignas(128) ThreadTimes {
 
 /// The serial node that is open and the number of parallel loops it has run: written by its thread, read by the blocks.
 struct SerialNode {
-  Node node = Node::count;
+  Node node{-1};  ///< none
   int loops = 0;
 };
 
@@ -77,7 +74,9 @@ class NodeTimes {
   void run_begins() noexcept;
   void run_ends(std::int64_t steps) noexcept;
   SerialNode serial;
-  ThreadTimes* mine() noexcept;  ///< of the calling thread; null outside of a running graph
+  std::vector<std::string> names;  ///< of the nodes, by number (step table)
+  std::int64_t step = 0;           ///< that a trace shows; written between two steps
+  ThreadTimes* mine() noexcept;    ///< of the calling thread; null outside of a running graph
   Profile report() const;
   /// Of a node since the last restart, summed over threads [ticks]; only from a serial node.
   std::uint64_t ticks(Node node) const noexcept;
@@ -99,15 +98,15 @@ class NodeTimes {
 /// Times one execution of a node on a chunk (or -1) and records it for profile and trace.
 class NodeTimer {
  public:
-  NodeTimer(World& w, const Chunk& c, Node node);
+  NodeTimer(NodeTimes& times, int chunk, Node node);
   /// A block of a parallel loop, or (block -1) the loop itself, inside the serial node that is open.
-  NodeTimer(World& w, Timed timed, int block);
+  NodeTimer(NodeTimes& times, Timed timed, int block);
   ~NodeTimer();
   NodeTimer(const NodeTimer&) = delete;
   NodeTimer& operator=(const NodeTimer&) = delete;
 
  private:
-  World& w_;
+  NodeTimes& all_;
   ThreadTimes* times_;
   int chunk_;
   Node node_;

@@ -1,20 +1,13 @@
 // See shares.hpp.
 #include "scheduler/team/shares.hpp"
 
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <numeric>
-
-#include "scheduler/step/world.hpp"
 
 namespace talus {
 
 namespace {
 
-/// Cost of a chunk's step [ns]; only the ratios count (perf/limits.md: list slots of the narrow phase, contacts, rows,
-/// wall contacts).
-constexpr double k_slot_cost = 2.2, k_contact_cost = 11.5, k_row_cost = 4.5, k_wall_cost = 110;
 /// Shares stay as they are while the slowest thread would win less than this part.
 constexpr double k_worth = 0.01;
 
@@ -115,21 +108,5 @@ int ChunkShares::take(int slot) noexcept {
   }
   return -1;
 }
-
-int thread_slot(const World& w) noexcept {
-  const int slot = tbb::this_task_arena::current_thread_index();
-  return slot >= 0 && slot < w.threads ? slot : -1;
-}
-
-std::vector<double> chunk_costs(const World& w) {
-  std::vector<double> cost;
-  for (const auto& c : w.chunks)
-    cost.push_back(k_slot_cost * static_cast<double>(c->end[2]) +
-                   k_contact_cost * static_cast<double>(c->contact_end[2]) + k_row_cost * (c->hi - c->lo) +
-                   k_wall_cost * static_cast<double>(c->wall_state.size()));
-  return cost;
-}
-
-void divide_chunks(World& w) { w.shares.divide(chunk_costs(w), w.lane_choice.threads()); }
 
 }  // namespace talus

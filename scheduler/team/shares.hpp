@@ -12,8 +12,6 @@
 
 namespace talus {
 
-struct World;
-
 class ChunkShares {
  public:
   /// Gives every thread consecutive chunks so that the most expensive share is as cheap as can be; keeps the present
@@ -54,12 +52,5 @@ class ChunkShares {
   int unused_ = 0;               ///< shares without chunks
   std::atomic<int> used_up_{0};  ///< shares with none left: who finds all of them so need not visit each
 };
-
-/// Slot of the calling thread in the arena of the run, or -1.
-int thread_slot(const World& w) noexcept;
-/// What a step of each chunk will cost by its present list and contacts; only ratios count.
-std::vector<double> chunk_costs(const World& w);
-/// Divides the chunks by what their present lists and contacts will cost.
-void divide_chunks(World& w);
 
 }  // namespace talus

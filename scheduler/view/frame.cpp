@@ -6,9 +6,15 @@
 #include <algorithm>
 #include <tuple>
 
+#include "scheduler/lists/rebuild.hpp"
+#include "scheduler/nodes/add_ons.hpp"
 #include "scheduler/nodes/contact_blocks.hpp"
+#include "scheduler/nodes/force.hpp"
+#include "scheduler/nodes/narrow.hpp"
+#include "scheduler/nodes/wall_contact.hpp"
 #include "scheduler/step/world.hpp"
 #include "scheduler/team/parallel.hpp"
+#include "scheduler/view/observe.hpp"
 
 namespace talus {
 
@@ -20,53 +26,54 @@ struct RowContact {
   ContactRecord record;
 };
 
-/// A row without a place: as remove_row() leaves it.
-void mark_gone(World& w, Row i) {
-  for (auto* p : {&w.p, &w.x0})
-    for (int k = 0; k < 3; ++k) (*p)[4L * i + k] = k_gone;
-  w.p[4L * i + 3] = 0;
-  w.x0[4L * i + 3] = 1e300;
-  for (int k = 0; k < w.stride; ++k) w.v[static_cast<long>(w.stride) * i + k] = 0;
-}
-
 /// Rows, contacts and walls of the present step, and lists of what touches now.
-std::unique_ptr<World> copy_of(const World& w) {
-  auto copy = std::make_unique<World>();
+std::unique_ptr<World> copy_of(const World& w, bool energies) {
+  Start start;
+  start.rules = w.rules;
+  Features& has = start.rules.has;
+  has.energies = energies;
+  has.groups = has.planes = false;
+  start.rules.scene.list.policy = ListPolicy::always;  // no skins: the lists are used once
+  start.skin = SkinRule(start.rules.scene, w.rules.r_min, w.rules.r_max);
+  start.walls = w.walls;
+  auto copy = std::make_unique<World>(std::move(start));
   World& c = *copy;
-  static_cast<Setup&>(c) = w;
-  c.has.energies = c.has.groups = c.has.planes = false;
-  c.scene.list.policy = ListPolicy::always;  // no skins: the lists are used once
-  c.skin = SkinRule(c.scene, c.r_min, c.r_max);
-  c.lane_choice.prepare(w.lane_choice.threads());
-  c.times.prepare(c.threads);
-  c.scratch.prepare(c.threads);
-  c.serial.index = -1;
-  set_particle_capacity(c, w.n);
-  c.p = w.p;
-  c.v = w.v;
-  c.id = w.id;
-  c.material = w.material;
-  c.fixed = w.fixed;
-  c.alive = w.alive;
-  c.step = w.step;
-  c.law_args.start = c.moment_args.start = c.step == 0 ? 1 : 0;
-  c.gravity = w.gravity;
-  c.walls = w.walls;
-  if (c.has.walls) c.walls.set_step(c.step, c.scene.dt);
-  c.chunk_size = w.chunk_size;
-  c.chunk_of = w.chunk_of;
-  make_chunks(c);
-  for (std::size_t k = 0; k < c.chunks.size(); ++k) *c.chunks[k] = *w.chunks[k];
-  for (Row i = 0; i < c.n; ++i)
-    if (!c.is_alive(i) || !finite_row(c, i)) mark_gone(c, i);  // what is no number ends the run in its next step
+  c.team.lane_choice.prepare(w.team.lane_choice.threads());
+  set_particle_capacity(c.rows, w.rows.n);
+  c.rows.columns.copy_saved(w.rows.columns, static_cast<std::size_t>(w.rows.n));
+  c.rows.alive = w.rows.alive;
+  c.clock = w.clock;
+  if (c.rules.has.walls) c.walls.set_step(c.clock.step, c.rules.scene.dt);
+  c.contacts.chunk_size = w.contacts.chunk_size;
+  c.contacts.chunk_of = w.contacts.chunk_of;
+  make_chunks(c.contacts, c.rows.n);
+  for (int k = 0; k < c.contacts.count(); ++k) c.contacts[k] = w.contacts[k];
+  for (Row i = 0; i < c.rows.n; ++i)  // what is no number ends the run in its next step
+    if (!c.rows.is_alive(i) || !finite_row(c.rows, i)) mark_gone(c.rows, c.lists, i);
   return copy;
 }
 
-void record_pairs(World& w, Chunk& c, std::vector<RowContact>& out) {
+/// Makes the lists of a copy and calls fn(chunk) behind the narrow phase of each chunk.
+template <class F>
+void with_contacts(World& c, F fn) {
+  with_threads(c.team, [&] {
+    rebuild_lists(c.rules, c.clock, c.rows, c.contacts, c.lists, c.counters, c.walls, c.team);
+    parallel(c.team, c.contacts.count(), [&](int k) {
+      Chunk& q = c.contacts[k];
+      q.scratch = c.team.scratch.take(-1);
+      narrow_chunk(c.rules, c.clock, c.rows, q);
+      fn(q);
+      c.team.scratch.give(q.scratch);
+      q.scratch = nullptr;
+    });
+  });
+}
+
+void record_pairs(const World& w, Chunk& c, std::vector<RowContact>& out) {
   const Scratch& s = *c.scratch;
   BlockBuffers buffers;
-  ContactBlocks blocks(w, c);
-  for (std::int64_t k0 = 0; k0 < c.contact_end[2]; k0 += k_block) {
+  ContactBlocks blocks(w.rules, w.clock, w.rows, c);
+  for (std::int64_t k0 = 0; k0 < c.contacts.end[2]; k0 += k_block) {
     const Block b = blocks.evaluate(k0, buffers);
     for (int k = 0; k < b.n; ++k) {
       const Row i = s.ci[static_cast<std::size_t>(k0 + k)], j = s.cj[static_cast<std::size_t>(k0 + k)];
@@ -75,12 +82,12 @@ void record_pairs(World& w, Chunk& c, std::vector<RowContact>& out) {
       const double d = norm(branch);
       const Vec3 normal = (1 / d) * branch;
       ContactRecord t;
-      t.a = w.id[i];
-      t.b = w.id[j];
+      t.a = w.rows.id[i];
+      t.b = w.rows.id[j];
       t.normal_force = dot(f, normal) * normal;
       t.tangential_force = f - t.normal_force;
       t.overlap = b.w[k] - d;
-      t.point = w.position(i) - (w.p[4L * i + 3] - 0.5 * t.overlap) * normal;
+      t.point = position_of(w.rules, w.rows, i) - (w.rows.p[4L * i + 3] - 0.5 * t.overlap) * normal;
       out.push_back({i, j, t});
     }
   }
@@ -88,37 +95,30 @@ void record_pairs(World& w, Chunk& c, std::vector<RowContact>& out) {
 
 void record_walls(World& w, Chunk& c, std::vector<RowContact>& out) {
   Scratch& s = *c.scratch;
-  s.f.resize(std::max(s.f.size(), static_cast<std::size_t>(c.hi - c.lo) * static_cast<std::size_t>(w.stride)));
-  if (w.has.moments) clear_moments(w, c);
-  wall_chunk(w, c);
-  for (std::size_t k = 0; k < c.wall_state.size(); ++k) {
-    const WallState& q = c.wall_state[k];
+  s.f.resize(std::max(s.f.size(), static_cast<std::size_t>(c.hi - c.lo) * static_cast<std::size_t>(w.rules.stride)));
+  if (w.rules.has.moments) clear_moments(c);
+  wall_chunk(w.rules, w.clock, w.rows, w.lists, w.walls, w.ledger.rows, c);
+  for (std::size_t k = 0; k < c.wall.state.size(); ++k) {
+    const WallState& q = c.wall.state[k];
     ContactRecord t;
-    t.a = w.id[q.row];
+    t.a = w.rows.id[q.row];
     t.b = -1 - q.contact.wall;
-    t.normal_force = dot(c.wall_force[k], q.contact.normal) * q.contact.normal;
-    t.tangential_force = c.wall_force[k] - t.normal_force;
-    t.overlap = w.p[4L * q.row + 3] - q.contact.distance;
-    t.point = c.wall_point[k];
+    t.normal_force = dot(c.wall.force[k], q.contact.normal) * q.contact.normal;
+    t.tangential_force = c.wall.force[k] - t.normal_force;
+    t.overlap = w.rows.p[4L * q.row + 3] - q.contact.distance;
+    t.point = c.wall.point[k];
     out.push_back({q.row, -1, t});
   }
 }
 
 /// All contacts of the present positions, ascending (a, b): an order that no chunk and no list decides.
 std::vector<RowContact> present_contacts(const World& w) {
-  const std::unique_ptr<World> copy = copy_of(w);
-  std::vector<std::vector<RowContact>> parts(copy->chunks.size());
-  with_threads(*copy, [&] {
-    rebuild_lists(*copy);
-    parallel(*copy, static_cast<int>(parts.size()), [&](int k) {
-      Chunk& c = *copy->chunks[static_cast<std::size_t>(k)];
-      auto& part = parts[static_cast<std::size_t>(k)];
-      narrow_chunk(*copy, c);
-      record_pairs(*copy, c, part);
-      if (copy->has.walls) record_walls(*copy, c, part);
-      copy->scratch.give(c.scratch);
-      c.scratch = nullptr;
-    });
+  const std::unique_ptr<World> copy = copy_of(w, false);
+  std::vector<std::vector<RowContact>> parts(copy->contacts.chunks.size());
+  with_contacts(*copy, [&](Chunk& c) {
+    auto& part = parts[static_cast<std::size_t>(c.index)];
+    record_pairs(*copy, c, part);
+    if (copy->rules.has.walls) record_walls(*copy, c, part);
   });
   std::vector<RowContact> all;
   for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
@@ -165,51 +165,51 @@ void add_contacts(const World& w, const FrameRequest& q, const std::vector<std::
 /// Particles in id order; returns the place of each row in it, or -1.
 std::vector<std::int32_t> add_particles(const World& w, Frame& f) {
   std::vector<Row> order;
-  for (Row i = 0; i < w.n; ++i)
-    if (w.is_alive(i)) order.push_back(i);
-  std::sort(order.begin(), order.end(), [&](Row a, Row b) { return w.id[a] < w.id[b]; });
-  std::vector<std::int32_t> place(static_cast<std::size_t>(w.n), -1);
+  for (Row i = 0; i < w.rows.n; ++i)
+    if (w.rows.is_alive(i)) order.push_back(i);
+  std::sort(order.begin(), order.end(), [&](Row a, Row b) { return w.rows.id[a] < w.rows.id[b]; });
+  std::vector<std::int32_t> place(static_cast<std::size_t>(w.rows.n), -1);
   for (std::size_t k = 0; k < order.size(); ++k) {
     const Row i = order[k];
     place[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(k);
-    const double *x = w.p.data() + 4L * i, *v = w.v.data() + static_cast<long>(w.stride) * i;
-    f.id.push_back(w.id[i]);
-    f.x.push_back(w.position(i));
+    const double *x = w.rows.p.data() + 4L * i, *v = w.rows.v.data() + static_cast<long>(w.rules.stride) * i;
+    f.id.push_back(w.rows.id[i]);
+    f.x.push_back(position_of(w.rules, w.rows, i));
     f.v.push_back({v[0], v[1], v[2]});
-    if (w.has.rotation) f.w.push_back({v[4] / x[3], v[5] / x[3], v[6] / x[3]});
+    if (w.rules.has.rotation) f.w.push_back({v[4] / x[3], v[5] / x[3], v[6] / x[3]});
     f.r.push_back(x[3]);
-    if (w.has.materials) f.material.push_back(w.material[i]);
-    if (w.has.fixed) f.fixed.push_back(w.fixed[i]);
+    if (w.rules.has.materials) f.material.push_back(w.rows.material[i]);
+    if (w.rules.has.fixed) f.fixed.push_back(w.rows.fixed[i]);
   }
   return place;
 }
 
 std::vector<WallSurface> present_surfaces(const World& w) {
   std::vector<WallSurface> surfaces;
-  if (w.has.moving_walls) {
+  if (w.rules.has.moving_walls) {
     WallSet walls = w.walls;
-    walls.set_step(w.step, w.scene.dt);
+    walls.set_step(w.clock.step, w.rules.scene.dt);
     surfaces = walls.surfaces();
   } else {
     surfaces = w.walls.surfaces();
   }
   for (WallSurface& s : surfaces)
-    for (Vec3& at : s.points) at = at + w.scene.domain.lower;
+    for (Vec3& at : s.points) at = at + w.rules.scene.domain.lower;
   return surfaces;
 }
 
 /// Loads of the last executed step.
 std::vector<WallLoad> wall_loads(const World& w) {
   std::vector<WallLoad> loads(static_cast<std::size_t>(w.walls.size()));
-  for (const auto& c : w.chunks)
-    for (std::size_t k = 0; k < c->wall_force.size(); ++k) {
-      const WallContact& t = c->wall_state[k].contact;
+  for (const auto& c : w.contacts.chunks)
+    for (std::size_t k = 0; k < c->wall.force.size(); ++k) {
+      const WallContact& t = c->wall.state[k].contact;
       WallLoad& l = loads[static_cast<std::size_t>(t.wall)];
-      l.force = l.force - c->wall_force[k];
+      l.force = l.force - c->wall.force[k];
       // the force acts on the wall itself, at a whole number of periods from the image that the grain touches
-      const Vec3 point = (t.centre + w.scene.domain.lower) - t.distance * t.normal;
-      l.torque = l.torque - cross(point, c->wall_force[k]);
-      if (w.has.moments) l.torque = l.torque - c->wall_torque[k];
+      const Vec3 point = (t.centre + w.rules.scene.domain.lower) - t.distance * t.normal;
+      l.torque = l.torque - cross(point, c->wall.force[k]);
+      if (w.rules.has.moments) l.torque = l.torque - c->wall.torque[k];
     }
   return loads;
 }
@@ -217,32 +217,23 @@ std::vector<WallLoad> wall_loads(const World& w) {
 }  // namespace
 
 Column<double> energy_rows(const World& w) {
-  const std::unique_ptr<World> copy = copy_of(w);
+  const std::unique_ptr<World> copy = copy_of(w, true);
   World& c = *copy;
-  c.has.energies = true;
-  c.energy.assign(w.energy.size(), 0.0);
-  with_threads(c, [&] {
-    rebuild_lists(c);
-    parallel(c, static_cast<int>(c.chunks.size()), [&](int k) {
-      Chunk& q = *c.chunks[static_cast<std::size_t>(k)];
-      narrow_chunk(c, q);
-      force_chunk(c, q);
-      if (c.has.walls) wall_chunk(c, q);
-      c.scratch.give(q.scratch);
-      q.scratch = nullptr;
-    });
+  with_contacts(c, [&](Chunk& q) {
+    force_chunk(c.rules, c.clock, c.rows, c.ledger.rows, q, {});
+    if (c.rules.has.walls) wall_chunk(c.rules, c.clock, c.rows, c.lists, c.walls, c.ledger.rows, q);
   });
-  return std::move(c.energy);
+  return std::move(c.ledger.rows);
 }
 
 Frame frame_of(const World& w, const FrameRequest& q) {
   Frame f;
-  f.step = w.step;
-  f.time = static_cast<double>(w.step) * w.scene.dt;
+  f.step = w.clock.step;
+  f.time = static_cast<double>(w.clock.step) * w.rules.scene.dt;
   const std::vector<std::int32_t> place = add_particles(w, f);
   if (q.contacts || q.coordination || q.stress) add_contacts(w, q, place, f);
-  if (w.has.walls && q.walls) f.walls = present_surfaces(w);
-  if (w.has.walls && q.wall_loads) f.wall_loads = wall_loads(w);
+  if (w.rules.has.walls && q.walls) f.walls = present_surfaces(w);
+  if (w.rules.has.walls && q.wall_loads) f.wall_loads = wall_loads(w);
   return f;
 }
 

@@ -11,7 +11,8 @@
 #include "core/rules/skin.hpp"
 #include "core/scene/scene_file.hpp"
 #include "kernels/kernel_table.hpp"
-#include "scheduler/step/world.hpp"
+#include "scheduler/lists/audit.hpp"
+#include "scheduler/step/access.hpp"
 #include "tests/determinism/random_scenes.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
@@ -120,24 +121,24 @@ TEST(ListAudit, SeesEveryTouchingPairOnce) {
     Simulation sim(made.scene, random_options(index));
     sim.run(k_audit_steps / 3);
     SCOPED_TRACE("scene " + std::to_string(index));
-    auto& w = const_cast<World&>(sim.world());
-    for (const auto& c : w.chunks) std::fill(std::begin(c->end), std::end(c->end), 0);
+    const World& w = EngineAccess::world(sim);
+    for (const auto& c : w.contacts.chunks) std::fill(std::begin(c->list.end), std::end(c->list.end), 0);
     std::int64_t wanted = 0;
-    for (Row i = 0; i < w.n; ++i)
-      for (Row j = i + 1; j < w.n; ++j) {
-        if (!w.is_alive(i) || !w.is_alive(j)) continue;
-        if (w.has.fixed && w.fixed[i] != 0 && w.fixed[j] != 0) continue;
+    for (Row i = 0; i < w.rows.n; ++i)
+      for (Row j = i + 1; j < w.rows.n; ++j) {
+        if (!w.rows.is_alive(i) || !w.rows.is_alive(j)) continue;
+        if (w.rules.has.fixed && w.rows.fixed[i] != 0 && w.rows.fixed[j] != 0) continue;
         double d2 = 0;
         for (int k = 0; k < 3; ++k) {
-          double d = std::abs(w.p[4L * i + k] - w.p[4L * j + k]);
-          if (w.scene.domain.periodic(k)) d = std::min(d, std::abs(d - w.size[k]));
+          double d = std::abs(w.rows.p[4L * i + k] - w.rows.p[4L * j + k]);
+          if (w.rules.scene.domain.periodic(k)) d = std::min(d, std::abs(d - w.rules.size[k]));
           d2 += d * d;
         }
-        const double ri = w.p[4L * i + 3], rj = w.p[4L * j + 3];
-        const double r = ri + w.skin.range(ri) + rj + w.skin.range(rj);
+        const double ri = w.rows.p[4L * i + 3], rj = w.rows.p[4L * j + 3];
+        const double r = ri + w.lists.skin.range(ri) + rj + w.lists.skin.range(rj);
         wanted += d2 < r * r ? 1 : 0;
       }
-    const std::int64_t missed = audit_lists(w);
+    const std::int64_t missed = audit_lists(w.rules, w.rows, w.contacts, w.lists, w.walls);
     EXPECT_EQ(missed, wanted);
     touching += wanted;
     periodic += made.periodic ? 1 : 0;

@@ -11,7 +11,7 @@
 
 #include "core/base/rng.hpp"
 #include "core/scene/scene_file.hpp"
-#include "scheduler/step/world.hpp"
+#include "scheduler/step/access.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
 
@@ -98,15 +98,15 @@ Made make_scene(int index) {
 /// Compares the lists of a world that has just been rebuilt with brute force; returns the number of pairs.
 std::int64_t check_lists(const World& w, bool periodic) {
   std::int64_t pairs = 0;
-  for (const auto& cp : w.chunks) {
+  for (const auto& cp : w.contacts.chunks) {
     const Chunk& c = *cp;
     std::set<std::pair<Row, Row>> listed;
     for (int s = 0; s < 3; ++s) {
       std::pair<Row, Row> last{-1, -1};
-      for (std::int64_t q = s == 0 ? 0 : c.end[s - 1]; q < c.end[s]; ++q) {
+      for (std::int64_t q = s == 0 ? 0 : c.list.end[s - 1]; q < c.list.end[s]; ++q) {
         const auto k = static_cast<std::size_t>(q);
-        const std::pair<Row, Row> p{c.pi[k], c.pj[k]};
-        if (p.first == w.n) continue;  // padding
+        const std::pair<Row, Row> p{c.list.pi[k], c.list.pj[k]};
+        if (p.first == w.rows.n) continue;  // padding
         EXPECT_LT(last, p) << "order within section " << s;
         last = p;
         EXPECT_TRUE(p.first >= c.lo && p.first < c.hi);
@@ -118,21 +118,22 @@ std::int64_t check_lists(const World& w, bool periodic) {
       }
     }
     for (Row i = c.lo; i < c.hi; ++i)
-      for (Row j = 0; j < w.n; ++j) {
-        if (i == j || !w.is_alive(i) || !w.is_alive(j) || (j >= c.lo && j < i)) continue;
+      for (Row j = 0; j < w.rows.n; ++j) {
+        if (i == j || !w.rows.is_alive(i) || !w.rows.is_alive(j) || (j >= c.lo && j < i)) continue;
         double d2 = 0;
         for (int k = 0; k < 3; ++k) {
-          double d = w.x0[4L * i + k] - w.x0[4L * j + k];
-          if (periodic) d -= w.size[k] * std::nearbyint(d / w.size[k]);
+          double d = w.lists.x0[4L * i + k] - w.lists.x0[4L * j + k];
+          if (periodic) d -= w.rules.size[k] * std::nearbyint(d / w.rules.size[k]);
           d2 += d * d;
         }
-        const double reach = w.frame.stretch * (w.p[4L * i + 3] + w.p[4L * j + 3] + std::sqrt(w.x0[4L * i + 3]) +
-                                                std::sqrt(w.x0[4L * j + 3]));
+        const double reach =
+            w.lists.frame.stretch * (w.rows.p[4L * i + 3] + w.rows.p[4L * j + 3] + std::sqrt(w.lists.x0[4L * i + 3]) +
+                                     std::sqrt(w.lists.x0[4L * j + 3]));
         if (d2 <= reach * reach) {
           EXPECT_TRUE(listed.count({i, j}) == 1) << i << " " << j << " lack each other";
           ++pairs;
         } else if (listed.count({i, j}) == 1) {  // float slack only
-          EXPECT_LT(d2, reach * reach * 1.0001 + 1e-4 * reach * w.size[0]);
+          EXPECT_LT(d2, reach * reach * 1.0001 + 1e-4 * reach * w.rules.size[0]);
         }
       }
   }
@@ -154,18 +155,18 @@ TEST(CellLevels, ListsEqualBruteForceForRadiiFromOneToHundred) {
     std::int64_t seen = -1;
     for (int step = 0; step < 40; ++step) {
       sim.run(1);
-      const World& w = sim.world();
+      const World& w = EngineAccess::world(sim);
       if (sim.counters().rebuilds == seen) continue;
       seen = sim.counters().rebuilds;
       ++rebuilds;
       // the step that followed the rebuild has moved the rows; removed ones are in no list and in x0 no more
       if (sim.counters().removed == 0) pairs += check_lists(w, m.periodic);
-      most_levels = std::max(most_levels, w.levels);
+      most_levels = std::max(most_levels, w.lists.grid.levels);
       if (m.ratio >= 20) {
-        EXPECT_GE(w.levels, 2) << "the ratio asks for levels";
+        EXPECT_GE(w.lists.grid.levels, 2) << "the ratio asks for levels";
       }
       if (m.ratio <= 2) {
-        EXPECT_EQ(w.levels, 1) << "levels cost and bring nothing here";
+        EXPECT_EQ(w.lists.grid.levels, 1) << "levels cost and bring nothing here";
       }
     }
     EXPECT_EQ(sim.counters().missed_contacts, 0);
@@ -191,7 +192,7 @@ TEST(CellLevels, SameBitsForEveryWayOfRunning) {
         contacts += sim.counters().contacts;
       }
       if (v.policy != ListPolicy::global_velocity) {  // its one skin for all can make all reaches alike
-        EXPECT_GE(sim.world().levels, 2);
+        EXPECT_GE(EngineAccess::world(sim).lists.grid.levels, 2);
       }
       hashes.insert(sim.state_hash());
       ++runs;

@@ -7,7 +7,8 @@
 #include <set>
 
 #include "core/rules/skin.hpp"
-#include "scheduler/step/world.hpp"
+#include "scheduler/lists/skin_check.hpp"
+#include "scheduler/step/access.hpp"
 #include "tests/determinism/random_scenes.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
@@ -18,19 +19,19 @@ namespace {
 /// Touching pairs of the stored positions by brute force: ids, the lower row first.
 std::set<std::pair<ParticleId, ParticleId>> touching(const World& w) {
   std::set<std::pair<ParticleId, ParticleId>> found;
-  for (Row i = 0; i < w.n; ++i)
-    for (Row j = i + 1; j < w.n; ++j) {
-      if (!w.is_alive(i) || !w.is_alive(j)) continue;
-      if (w.has.fixed && w.fixed[i] != 0 && w.fixed[j] != 0) continue;
-      const double *a = w.p.data() + 4L * i, *b = w.p.data() + 4L * j;
+  for (Row i = 0; i < w.rows.n; ++i)
+    for (Row j = i + 1; j < w.rows.n; ++j) {
+      if (!w.rows.is_alive(i) || !w.rows.is_alive(j)) continue;
+      if (w.rules.has.fixed && w.rows.fixed[i] != 0 && w.rows.fixed[j] != 0) continue;
+      const double *a = w.rows.p.data() + 4L * i, *b = w.rows.p.data() + 4L * j;
       double d2 = 0;
       for (int k = 0; k < 3; ++k) {
         double d = a[k] - b[k];
-        if (w.scene.domain.periodic(k))
-          d = d > 0.5 * w.size[k] ? d - w.size[k] : (d < -0.5 * w.size[k] ? d + w.size[k] : d);
+        if (w.rules.scene.domain.periodic(k))
+          d = d > 0.5 * w.rules.size[k] ? d - w.rules.size[k] : (d < -0.5 * w.rules.size[k] ? d + w.rules.size[k] : d);
         d2 += d * d;
       }
-      if (d2 < (a[3] + b[3]) * (a[3] + b[3])) found.insert({w.id[i], w.id[j]});
+      if (d2 < (a[3] + b[3]) * (a[3] + b[3])) found.insert({w.rows.id[i], w.rows.id[j]});
     }
   return found;
 }
@@ -56,9 +57,9 @@ void watch(const Scene& s, const RunOptions& o, int seed, Looks& looks) {
   std::uint64_t random = static_cast<std::uint64_t>(seed) * 0x9e3779b97f4a7c15ULL + 1;
   std::int64_t expired_here = 0;
   for (int n = 0; n < static_cast<int>(k_audit_steps); ++n) {
-    const World& w = sim.world();
+    const World& w = EngineAccess::world(sim);
     random = random * 6364136223846793005ULL + 1442695040888963407ULL;
-    const bool expired = n > 0 && lists_expired(w) && expired_here < 4;
+    const bool expired = n > 0 && lists_expired(w.rules, w.clock, w.contacts, w.lists, w.walls) && expired_here < 4;
     if (!expired && (random >> 33) % 24 != 0) {
       sim.run(1);
       continue;
@@ -115,7 +116,7 @@ TEST(Observe, FrameHoldsEveryTouchingPairAlsoAtSortEpochs) {
     for (int k = 0; k < 12; ++k) {
       sim.run(20);  // every second stop is an epoch
       const Frame f = sim.frame({.contacts = true});
-      EXPECT_EQ(pairs_of(f), touching(sim.world())) << "step " << f.step;
+      EXPECT_EQ(pairs_of(f), touching(EngineAccess::world(sim))) << "step " << f.step;
       all += pairs_of(f).size();
     }
     EXPECT_GT(all, 100U);

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/scene/scene_file.hpp"
-#include "scheduler/step/world.hpp"
+#include "scheduler/step/access.hpp"
 #include "tests/stability/stability_support.hpp"
 
 namespace talus::stability {
@@ -394,8 +394,8 @@ TEST(Stability, S40_CountersAndIndicesAre64Bits) {
   // Pairs, steps, ids, offsets into lists and history: 64 bits. Rows are 32 bits on purpose, capped at 2^30.
   static_assert(std::is_same_v<decltype(Counters::pairs), std::int64_t>);
   static_assert(std::is_same_v<decltype(Counters::steps), std::int64_t>);
-  static_assert(std::is_same_v<std::remove_extent_t<decltype(Chunk::end)>, std::int64_t>);
-  static_assert(std::is_same_v<std::remove_extent_t<decltype(Chunk::contact_end)>, std::int64_t>);
+  static_assert(std::is_same_v<std::remove_extent_t<decltype(PairList::end)>, std::int64_t>);
+  static_assert(std::is_same_v<std::remove_extent_t<decltype(PairContacts::end)>, std::int64_t>);
   static_assert(std::is_same_v<std::remove_extent_t<decltype(SearchArgs::capacity)>, std::int64_t>);
   static_assert(std::is_same_v<ParticleId, std::int64_t>);
   static_assert(std::is_same_v<decltype(Scene::steps), std::int64_t>);
@@ -408,7 +408,7 @@ TEST(Stability, S40_CountersAndIndicesAre64Bits) {
     add_grains(s, {{{0.5, 0.5, 0.5}, {0.3, 0, 0}, 0.01}, {{0.55, 0.5, 0.5}, {}, 0.01}});
     s.integrator = Integrator::leapfrog;
     Simulation sim(s, options());
-    sim.world().step = start;
+    EngineAccess::world(sim).clock.step = start;
     sim.run(5000);
     x = sim.frame().x[0];
     EXPECT_EQ(sim.step(), start + 5000);

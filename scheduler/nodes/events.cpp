@@ -1,0 +1,129 @@
+// See events.hpp.
+#include "scheduler/nodes/events.hpp"
+
+#include "core/base/det_math.hpp"
+#include "core/base/error.hpp"
+#include "core/grains/region.hpp"
+
+namespace talus {
+
+namespace {
+
+void set_gravity(const Rules& rules, Clock& clock, const Rows& rows, Ledger& ledger, Vec3 gravity) {
+  double energy = 0;
+  if (rules.has.energies)
+    for (Row i = 0; i < rows.n; ++i)
+      if (rows.is_alive(i)) energy -= row_energy(rules, rows, clock, i);
+  clock.gravity = gravity;
+  if (rules.has.energies)
+    for (Row i = 0; i < rows.n; ++i)
+      if (rows.is_alive(i)) energy += row_energy(rules, rows, clock, i);
+  ledger.inserted += energy;
+}
+
+bool concerns(const Rules& rules, const Rows& rows, const Event& e, Row i) {
+  if (e.group < 0) return true;
+  const GroupSpec& g = rules.scene.groups[static_cast<std::size_t>(e.group)];
+  if (rows.group[i] == e.group) return true;
+  if (g.fixed_in_file && rows.fixed[i] != 0) return true;
+  if (g.ids && rows.id[i] >= (*g.ids)[0] && rows.id[i] <= (*g.ids)[1]) return true;
+  return g.region && inside(rules.scene.domain, *g.region, position_of(rules, rows, i));
+}
+
+void set_motion(const Rules& rules, Rows& rows, Row i, Vec3 velocity, Vec3 spin) {
+  double* v = rows.v.data() + static_cast<long>(rows.stride) * i;
+  const double r = rows.p[4L * i + 3];
+  for (int k = 0; k < 3; ++k) v[k] = velocity[k];
+  if (rules.has.rotation)
+    for (int k = 0; k < 3; ++k) v[4 + k] = r * spin[k];
+}
+
+/// Everything but removal and gravity.
+void act_on_row(const Rules& rules, Rows& rows, const Event& e, Row i) {
+  double& inverse_mass = rows.v[static_cast<std::size_t>(rows.stride) * static_cast<std::size_t>(i + 1) - 1];
+  switch (e.action) {
+    case Event::Action::freeze:
+    case Event::Action::drive:
+      if (e.action == Event::Action::freeze)
+        set_motion(rules, rows, i, {}, {});
+      else
+        set_motion(rules, rows, i, e.vector, e.spin);
+      inverse_mass = 0;
+      rows.fixed[i] = 1;
+      break;
+    case Event::Action::release:
+      if (!rules.has.fixed) break;  // nothing was ever held: there is no such column
+      inverse_mass = 1.0 / mass_of(rules, rows, i);
+      rows.fixed[i] = 0;
+      break;
+    case Event::Action::set_velocity:
+      set_motion(rules, rows, i, e.vector, e.spin);
+      break;
+    default:
+      break;
+  }
+}
+
+/// Particles due at this step. A pack that finds no room ends a run that has come this far, not the scene.
+NewParticles batch_of(const Clock& clock, const Rows& rows, const WallSet& walls, Insertion& insertion) {
+  const PresentParticles present{std::span<const double>(rows.p.data(), 4L * static_cast<std::size_t>(rows.n))};
+  try {
+    return insertion.batch(clock.step, present, &walls);
+  } catch (const Error& e) {
+    throw Error(ErrorCode::physics, e.what(), "step " + std::to_string(clock.step));
+  }
+}
+
+}  // namespace
+
+bool event_due(const Rules& rules, const Clock& clock) {
+  const auto& events = rules.scene.events;
+  return clock.next_event < events.size() && det::nearest(events[clock.next_event].time / rules.scene.dt) <= clock.step;
+}
+
+void apply_events(const Rules& rules, Clock& clock, Rows& rows, Lists& lists, Ledger& ledger, Counters& counters,
+                  Parts& parts) {
+  for (; event_due(rules, clock); ++clock.next_event) {
+    const Event& e = rules.scene.events[clock.next_event];
+    if (e.action == Event::Action::gravity) {
+      set_gravity(rules, clock, rows, ledger, e.vector);
+      continue;
+    }
+    for (Row i = 0; i < rows.n; ++i) {
+      if (!rows.is_alive(i) || !concerns(rules, rows, e, i)) continue;
+      if (e.action == Event::Action::remove) {
+        remove_row(rules, clock, rows, lists, ledger, counters, parts, i);
+        continue;
+      }
+      const double energy = rules.has.energies ? row_energy(rules, rows, clock, i) : 0;
+      act_on_row(rules, rows, e, i);
+      if (rules.has.energies) ledger.inserted += row_energy(rules, rows, clock, i) - energy;
+    }
+  }
+}
+
+bool insert_batch(const Rules& rules, const Clock& clock, const WallSet& walls, Insertion& insertion, Rows& rows,
+                  Contacts& contacts, Ledger& ledger, Counters& counters, Parts& parts) {
+  const NewParticles a = batch_of(clock, rows, walls, insertion);
+  if (a.size() == 0) return false;
+  const Row first = rows.n;
+  append_particles(rules, clock, rows, a, rules.has.energies ? &ledger.inserted : nullptr);
+  parts.appended(rows, first, a);
+  counters.inserted += static_cast<std::int64_t>(a.size());
+  rows.velocity_at_old_step = false;
+  make_chunks(contacts, rows.n);  // rows of existing chunks stay; their lists are carried by the rebuild that follows
+  return true;
+}
+
+void remove_row(const Rules& rules, const Clock& clock, Rows& rows, Lists& lists, Ledger& ledger, Counters& counters,
+                Parts& parts, Row i) {
+  if (!rows.is_alive(i)) return;
+  ++counters.removed;
+  counters.removed_mass += mass_of(rules, rows, i);
+  --rows.alive;
+  if (rules.has.energies) ledger.inserted -= row_energy(rules, rows, clock, i);
+  parts.removed(rows, i);
+  mark_gone(rows, lists, i);
+}
+
+}  // namespace talus

@@ -1,0 +1,91 @@
+// The socket of an optional part: physics that a scene may have or not, in files of its own. A part declares its row
+// columns, its nodes, what it says in output and what it saves; parts/parts.cpp is the one list of parts, and nothing
+// else names one. Invariants: a part's chunk pass writes only rows of its chunk (I7) and sums over contacts in list
+// order (I3); a scene without it has none of its columns, nodes and output columns.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/columns.hpp"
+#include "core/frame/frame.hpp"
+#include "core/grains/insertion.hpp"
+#include "scheduler/state/contacts.hpp"
+#include "scheduler/state/rows.hpp"
+#include "scheduler/state/rules.hpp"
+#include "scheduler/step/node.hpp"
+
+namespace talus {
+
+/// What a part's nodes see of a run.
+struct PartView {
+  const Rules& rules;
+  const Clock& clock;
+  const Rows& rows;
+  const Contacts& contacts;
+};
+
+/// A number of the present step, a column of the time series.
+struct PartValue {
+  std::string name, unit;
+  double value = 0;
+};
+
+/// A node of a part.
+struct PartNode {
+  enum class When {
+    contacts,  ///< per chunk, behind its contact forces: pairs lie in the chunk's scratch, wall contacts in chunk.wall
+    rows,      ///< per chunk, behind its integration
+    step       ///< once, at the end of every `every`-th step
+  };
+  std::string name;
+  When when = When::contacts;
+  std::vector<Access> reads, writes;
+  std::int64_t every = 1;                                  ///< steps; When::step only
+  std::function<void(const PartView&, const Chunk&)> run;  ///< When::step: the chunk means nothing
+};
+
+class Part {
+ public:
+  Part() = default;
+  Part(const Part&) = delete;
+  Part& operator=(const Part&) = delete;
+  virtual ~Part() = default;
+
+  /// Its columns; those that are `saved` come back at a resume, those with a hash seed count in the state hash.
+  virtual void add_columns(Columns&) {}
+  virtual std::vector<PartNode> nodes() { return {}; }
+  /// Rows [first, first + a.size()) have come: from source a.source[k].
+  virtual void appended(const Rows&, Row /*first*/, const NewParticles& /*a*/) {}
+  /// Row i is about to go.
+  virtual void removed(const Rows&, Row /*i*/) {}
+  /// The last step did not happen: back to the values before it.
+  virtual void take_back() {}
+  /// The longest time step that it allows [s]; infinite where it does not care.
+  virtual double step_limit(const PartView&) const { return k_never; }
+  /// Its columns of the time series, of the present step. Their number and names never change in a run.
+  virtual std::vector<PartValue> values(const PartView&) const { return {}; }
+  /// What it has to remember beside its columns (section "part NAME" of the checkpoint).
+  virtual std::vector<std::uint8_t> save() const { return {}; }
+  virtual void load(std::span<const std::uint8_t>, const std::string& /*where*/) {}
+  virtual std::string name() const = 0;
+};
+
+/// The parts that a scene has.
+struct Parts {
+  std::vector<std::unique_ptr<Part>> all;
+
+  void appended(const Rows& rows, Row first, const NewParticles& a) {
+    for (const auto& p : all) p->appended(rows, first, a);
+  }
+  void removed(const Rows& rows, Row i) {
+    for (const auto& p : all) p->removed(rows, i);
+  }
+};
+
+/// parts/parts.cpp: the one list.
+Parts make_parts(const Rules& rules);
+
+}  // namespace talus

@@ -1,0 +1,149 @@
+// See ledger.hpp.
+#include "scheduler/state/ledger.hpp"
+
+#include <algorithm>
+#include <functional>
+
+#include "scheduler/team/parallel.hpp"
+
+namespace talus {
+
+Ledger::Ledger(const Rules& rules, Columns& columns) {
+  ColumnInfo i;
+  i.name = "energy";
+  i.unit = "J";
+  i.in = rules.has.energies;
+  i.why = i.in ? "output.energies" : "output.energies is off";
+  i.width = 4;
+  i.moves = false;
+  columns.add(i, rows);
+}
+
+namespace {
+
+/// Terms of one block of rows: damping, friction, background, drive, gravity along periodic axes, in places 1 to 5.
+StepWork work_of_rows(const Rules& rules, const Rows& rows, const Ledger& ledger, Row from, Row to, Vec3 pull) {
+  StepWork part{};
+  const bool pulled = norm2(pull) > 0;
+  for (Row i = from; i < to; ++i) {
+    const double* e = ledger.rows.data() + 4L * i;
+    for (int k = 1; k < 3; ++k) part[k] = part[k] + e[k];
+    // a driven row's work, or what local damping takes from a free one
+    const bool free =
+        rules.scene.local_damping != 0 && rows.v[static_cast<long>(rules.stride) * i + rules.stride - 1] > 0;
+    part[free ? 3 : 4] += e[3];
+    if (pulled && rows.is_alive(i)) {
+      // v2 holds v(n-1/2) now: what gravity has done on the way from n-1 to n
+      const double* u = rows.v2.data() + static_cast<long>(rules.stride) * i;
+      if (u[rules.stride - 1] > 0)
+        part[5] += rules.scene.dt * mass_of(rules, rows, i) * dot(pull, Vec3{u[0], u[1], u[2]});
+    }
+    if (rules.scene.viscous_damping != 0 && rows.is_alive(i)) {
+      const double *v = rows.v.data() + static_cast<long>(rules.stride) * i,
+                   *u = rows.v2.data() + static_cast<long>(rules.stride) * i;
+      double q = 0, rot = 0;
+      for (int k = 0; k < 3; ++k) q += u[k] * (0.5 * (u[k] + v[k]));
+      if (rules.has.rotation)
+        for (int k = 4; k < 7; ++k) rot += u[k] * (0.5 * (u[k] + v[k]));
+      if (v[rules.stride - 1] > 0)
+        part[3] += rules.scene.viscous_damping * rules.scene.dt * mass_of(rules, rows, i) * (q + 0.4 * rot);
+    }
+  }
+  return part;
+}
+
+/// Sum over rows in fixed blocks of 1024 (I3).
+double sum_rows(const Rows& rows, const std::function<double(Row)>& value) {
+  double total = 0;
+  for (Row b = 0; b < rows.n; b += k_energy_block) {
+    double part = 0;
+    for (Row i = b; i < std::min<Row>(rows.n, b + k_energy_block); ++i)
+      if (rows.is_alive(i)) part = part + value(i);
+    total = total + part;
+  }
+  return total;
+}
+
+}  // namespace
+
+void add_step_work(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts, Ledger& ledger,
+                   Team& team) {
+  // fixed blocks of 1024 rows in a fixed tree: independent of chunks and threads (I3)
+  const Vec3 pull = gravity_along(rules, clock, true);
+  const std::int64_t count = (rows.n + k_energy_block - 1) / k_energy_block;
+  ledger.blocks.resize(static_cast<std::size_t>(count));
+  const Blocks blocks{count, static_cast<int>(std::clamp<std::int64_t>(count / 8, 1, rules.threads))};
+  parallel(team, blocks.count, [&](int q) {
+    for (std::int64_t b = blocks.from(q); b < blocks.to(q); ++b) {
+      const auto from = static_cast<Row>(b * k_energy_block);
+      ledger.blocks[static_cast<std::size_t>(b)] =
+          work_of_rows(rules, rows, ledger, from, std::min<Row>(rows.n, from + k_energy_block), pull);
+    }
+  });
+  StepWork sum{};
+  for (const StepWork& part : ledger.blocks)
+    for (int k = 1; k < 6; ++k) sum[k] = sum[k] + part[k];
+  double power = sum[4];
+  if (rules.has.moving_walls)
+    for (const auto& c : contacts.chunks)
+      for (const double p : c->wall.power) power += p;
+  ledger.work_before = ledger.work;
+  const double before = ledger.work.drive;
+  ledger.work.drive = power;
+  if (clock.step <= rules.scene.relax.steps) return;
+  ledger.work.damping += sum[1];
+  ledger.work.friction += sum[2];
+  ledger.work.background += sum[3];
+  ledger.work.gravity += sum[5];
+  // energies hold at n: the trapezium rule over [n-1, n]
+  ledger.work.wall += 0.5 * (before + power);
+}
+
+double kinetic_energy_of(const Rules& rules, const Rows& rows) {
+  return sum_rows(rows, [&](Row i) {
+    const double* v = rows.v.data() + static_cast<long>(rules.stride) * i;
+    return 0.5 * mass_of(rules, rows, i) * ((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
+  });
+}
+
+Energies energies_of(const Rules& rules, const Clock& clock, const Rows& rows, const Ledger& ledger,
+                     std::int64_t executed, const double* springs) {
+  Energies e;
+  if (!rules.has.energies) return e;
+  const bool start = clock.step == 0;
+  if (!start && executed == 0) return ledger.resumed;
+  if (!start && !rows.velocity_at_old_step) return e;
+  // state of step n = clock.step - 1: positions p2, velocities at n the mean of n - 1/2 (v2) and n + 1/2 (v), at the
+  // start those given; before the first step what is given
+  const bool given =
+      clock.step == 1 && rules.scene.integrator == Integrator::velocity_verlet && rules.scene.relax.steps == 0;
+  const auto& old = start ? rows.v : rows.v2;
+  const auto mean2 = [&](Row i, int from) {
+    const double *u = old.data() + static_cast<long>(rules.stride) * i,
+                 *v = given ? u : rows.v.data() + static_cast<long>(rules.stride) * i;
+    double s = 0;
+    for (int k = from; k < from + 3; ++k) s += 0.25 * (u[k] + v[k]) * (u[k] + v[k]);
+    return s;
+  };
+  e.kinetic_translation = sum_rows(rows, [&](Row i) { return 0.5 * mass_of(rules, rows, i) * mean2(i, 0); });
+  if (rules.has.rotation)
+    e.kinetic_rotation = sum_rows(rows, [&](Row i) { return 0.2 * mass_of(rules, rows, i) * mean2(i, 4); });
+  const Vec3 weight = gravity_along(rules, clock, false);
+  e.potential = -ledger.work.gravity - sum_rows(rows, [&](Row i) {
+    const double* x = (start ? rows.p : rows.p2).data() + 4L * i;
+    const bool free = rows.v[static_cast<long>(rules.stride) * i + rules.stride - 1] > 0;
+    return free ? mass_of(rules, rows, i) * dot(weight, Vec3{x[0], x[1], x[2]} + rules.scene.domain.lower) : 0.0;
+  });
+  e.elastic = sum_rows(rows, [&](Row i) { return springs[4L * i]; });
+  e.dissipated_damping = ledger.work.damping;
+  e.dissipated_friction = ledger.work.friction;
+  e.dissipated_background = ledger.work.background;
+  e.wall_work = ledger.work.wall;
+  e.inserted = ledger.inserted;
+  const double total = e.kinetic_translation + e.kinetic_rotation + e.potential + e.elastic + e.dissipated_damping +
+                       e.dissipated_friction + e.dissipated_background - e.wall_work - e.inserted;
+  e.residual = ledger.start_known ? total - ledger.start : 0;
+  return e;
+}
+
+}  // namespace talus

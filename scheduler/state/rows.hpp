@@ -1,0 +1,56 @@
+// Rows: the particles, one row each, in storage order. Who writes them: insert (append), integrate (p2, v2), sort
+// epochs (order), the step's end (swap). Invariants: I2 (a removed row stays in place, dead), I3 (storage order is
+// canonical), I6. Position rows are relative to the domain's lower corner. Behind the last row there is a dead one, and
+// padding.
+#pragma once
+
+#include "core/base/columns.hpp"
+#include "core/base/types.hpp"
+#include "core/grains/insertion.hpp"
+#include "scheduler/state/clock.hpp"
+#include "scheduler/state/rules.hpp"
+
+namespace talus {
+
+inline constexpr double k_gone = 1e150;  ///< coordinate of removed rows: touches nothing, stays finite
+inline constexpr double k_far = 1e100;   ///< present rows have smaller coordinates
+
+struct Rows {
+  Row n = 0;
+  Row alive = 0;
+  ParticleId next_id = 0;
+  int stride = 4;        ///< doubles per row of v
+  Column<double> p, p2;  ///< {x, y, z, r}
+  Column<double> v, v2;  ///< {v, 0 | r w, 1/m} or {v, 1/m}
+  Column<ParticleId> id;
+  Column<std::uint8_t> material;      ///< only with several materials
+  Column<std::uint8_t> fixed;         ///< only where something can be fixed
+  Column<std::int16_t> group;         ///< only with groups
+  bool velocity_at_old_step = false;  ///< v2 holds v(n-3/2) of the same rows (for |a| in the skin)
+  Columns columns;                    ///< those above, and those of other owners
+
+  explicit Rows(const Rules& rules);
+  bool is_alive(Row i) const { return p[4L * i] < k_far; }
+};
+
+double mass_of(const Rules& rules, const Rows& rows, Row i);    ///< [kg] from material and radius
+Vec3 position_of(const Rules& rules, const Rows& rows, Row i);  ///< absolute [m]
+/// Components of gravity along the periodic axes, or along the others [m/s2].
+Vec3 gravity_along(const Rules& rules, const Clock& clock, bool periodic);
+/// At n: kinetic, and potential where the row is free [J].
+double row_energy(const Rules& rules, const Rows& rows, const Clock& clock, Row i);
+/// True if coordinates and velocity of a present row are finite.
+bool finite_row(const Rows& rows, Row i);
+
+/// One copy of all rows takes at most 6 MiB: they stay in nearer caches, where prefetching costs 7 % and chunks may be
+/// larger.
+inline bool rows_stay_near(const Rows& rows) {
+  return static_cast<std::size_t>(rows.n) * static_cast<std::size_t>(rows.stride + 4) * sizeof(double) <= std::size_t{6}
+                                                                                                              << 20;
+}
+
+void set_particle_capacity(Rows& rows, Row n);  ///< resizes all columns to n rows (+ dead row), keeps content
+/// Appends new particles as rows. `energy` [J], or null: what comes in with them is added to it.
+void append_particles(const Rules& rules, const Clock& clock, Rows& rows, const NewParticles& a, double* energy);
+
+}  // namespace talus

@@ -1,0 +1,131 @@
+// See start.hpp.
+#include "scheduler/state/start.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/error.hpp"
+#include "scheduler/team/available_cores.hpp"
+
+namespace talus {
+
+namespace {
+
+constexpr double k_usual_skin = 0.35;  // in radii: of a grain and the wall together, what nearly all lists need
+
+bool acts_later(const Source& s) {
+  return s.kind == Source::Kind::stream || (s.kind != Source::Kind::file && s.start > 0);
+}
+
+/// What the scene needs, but for walls and what is added to the law.
+void set_features(Rules& rules, bool any_fixed) {
+  const Scene& scene = rules.scene;
+  Features& h = rules.has;
+  h.rotation = scene.contact.friction;
+  h.history_columns = (scene.contact.friction ? rules.law.info->history : 0) + (recalls(scene) ? 1 : 0);
+  h.history = h.history_columns > 0;
+  h.materials = scene.materials.size() > 1;
+  h.reff = rules.law.info->wants_reff;
+  h.groups = !scene.groups.empty();
+  h.energies = scene.output.energies;
+  h.planes = !scene.output.flux_planes.empty();
+  h.insertion = std::any_of(scene.sources.begin(), scene.sources.end(), acts_later);
+  h.events = !scene.events.empty();
+  h.fixed = any_fixed;
+  for (const Event& e : scene.events)
+    h.fixed = h.fixed || e.action == Event::Action::freeze || e.action == Event::Action::drive;
+  for (const GroupSpec& g : scene.groups) h.fixed = h.fixed || g.fixed_in_file;
+  for (int k = 0; k < 3; ++k) {
+    h.periodic = h.periodic || scene.domain.periodic(k);
+    for (int s = 0; s < 2; ++s)
+      h.removal = h.removal ||
+                  scene.domain.boundary[static_cast<std::size_t>(k)][static_cast<std::size_t>(s)] == Boundary::open;
+  }
+}
+
+void set_law(Rules& rules) {
+  const Scene& scene = rules.scene;
+  const Features& h = rules.has;
+  rules.law.variant = law_index(*rules.law.info, scene.contact.friction, h.materials, h.energies);
+  rules.law.trial = scene.contact.model == ContactModel::linear && scene.contact.friction &&
+                    scene.contact.sliding == Sliding::series && !h.materials && !h.energies && !h.moments &&
+                    !h.cohesion;
+  rules.law.parameters = pair_parameters(scene);
+  rules.law.args.one = rules.law.parameters[0];
+  rules.law.args.table = rules.law.parameters.data();
+  rules.law.args.dt = scene.dt;
+  rules.law.args.by_restitution = scene.contact.by_restitution ? 1 : 0;
+  rules.law.args.centred = scene.contact.dashpot != Dashpot::lagged ? 1 : 0;
+  rules.law.args.recall = recalls(scene) ? 1 : 0;
+  rules.law.args.onset = scene.contact.onset_correction ? 1 : 0;
+  rules.law.args.clip = scene.contact.clip_tension ? 1 : 0;
+  rules.law.args.balanced = scene.contact.sliding == Sliding::balanced ? 1 : 0;
+  rules.law.args.total = scene.contact.friction_limit == FrictionLimit::total || scene.contact.clip_tension ? 1 : 0;
+  rules.law.args.synchronised = scene.contact.synchronised ? 1 : 0;
+  rules.law.args.contact_lever = scene.contact.lever == Lever::contact ? 1 : 0;
+}
+
+/// Everything that does not depend on walls.
+Rules rules_of(const Scene& scene, const RunOptions& options, const Insertion& insertion, bool any_fixed) {
+  Rules rules;
+  rules.scene = scene;
+  rules.options = options;
+  rules.r_min = insertion.smallest_radius();
+  rules.r_max = insertion.largest_radius();
+  rules.threads = options.threads > 0 ? options.threads : available_cores();
+  rules.kernels = &select_kernels(options.isa, &rules.isa_why, scene.precision);
+  rules.law.info = &law_info(scene.contact.model);
+  set_features(rules, any_fixed);
+  std::stable_sort(rules.scene.events.begin(), rules.scene.events.end(),
+                   [](const Event& a, const Event& b) { return a.time < b.time; });
+  configure_add_ons(rules);
+  rules.stride = rules.has.rotation ? 8 : 4;
+  set_law(rules);
+  rules.size = scene.domain.upper - scene.domain.lower;
+  // The stiffness matrix has an eigenvalue of at least (row sum) / (3 m): beyond 12 / dt^2 no step can be stable.
+  rules.bounds.unstable = scene.allow_unstable_step ? 1e300 : 12.0 / (scene.dt * scene.dt);
+  return rules;
+}
+
+SkinRule skin_of(const Rules& rules) {
+  const Scene& scene = rules.scene;
+  const SkinRule skin(scene, rules.r_min, rules.r_max);
+  for (int k = 0; k < 3; ++k)
+    if (scene.domain.periodic(k) && !(rules.size[k] > 4 * (rules.r_max + skin.range(rules.r_max))))
+      throw Error(ErrorCode::scene, "a periodic side must be longer than twice the largest diameter", "domain",
+                  "side " + std::to_string(rules.size[k]) + ", largest diameter " + std::to_string(2 * rules.r_max));
+  return skin;
+}
+
+WallSet walls_of(const Rules& rules, const SkinRule& skin) {
+  double reach = 0;
+  for (const double r : {rules.r_min, rules.r_max})
+    reach = fmax2(reach, r + 2 * skin.range(r) + skin.to_walls(skin(r, 1e30, 0)) + skin.drift_travel);
+  return WallSet(in_stored_frame(rules.scene), reach + 0.5 * rules.r_min,
+                 (1 + k_usual_skin) * rules.r_max + 2 * skin.range(rules.r_max) + skin.drift_travel);
+}
+
+/// Refuses a step that is not sure to be stable, or in which a wall or grain passes what it should touch.
+void judge_time_step(Rules& rules, const Population& grains, const WallSet& walls) {
+  rules.bounds.time_step = time_step_limits(rules.scene, grains, walls);
+  rules.bounds.wall_step = rules.scene.monitor.max_travel * grains.smallest_free();
+  const double dt2 = rules.scene.dt * rules.scene.dt;
+  rules.bounds.warn_row = dt2 * largest_row(rules.scene, rules.bounds.time_step, rules.scene.monitor.warn_stiffness);
+}
+
+}  // namespace
+
+Start start_of(const Scene& scene, const RunOptions& options, const bool* checkpoint_fixed) {
+  Start s;
+  s.insertion = std::make_unique<Insertion>(scene);
+  s.rules = rules_of(scene, options, *s.insertion,
+                     checkpoint_fixed != nullptr ? *checkpoint_fixed : s.insertion->any_fixed());
+  s.skin = skin_of(s.rules);
+  s.walls = walls_of(s.rules, s.skin);
+  s.rules.has.walls = s.walls.size() > 0;
+  s.rules.has.moving_walls = s.rules.has.walls && s.walls.any_moving();
+  judge_time_step(s.rules, s.insertion->population(), s.walls);
+  return s;
+}
+
+}  // namespace talus

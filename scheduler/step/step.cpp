@@ -1,0 +1,107 @@
+// The serial parts of a step that see the whole: its decision, its end, its failure.
+#include "scheduler/step/step.hpp"
+
+#include <chrono>
+
+#include "core/base/det_math.hpp"
+#include "core/base/error.hpp"
+#include "scheduler/lists/skin_check.hpp"
+#include "scheduler/nodes/check.hpp"
+#include "scheduler/nodes/events.hpp"
+#include "scheduler/nodes/plane_count.hpp"
+#include "scheduler/step/world.hpp"
+#include "scheduler/team/parallel.hpp"
+#include "scheduler/view/observe.hpp"
+
+namespace talus {
+
+namespace {
+
+/// Energies of the last step, where the monitor wants to judge their balance.
+bool balance_due(const World& w) {
+  return w.rules.has.energies && w.ledger.start_known && (w.clock.step - 1) % k_energy_every == 0 &&
+         !w.contacts.chunks.empty() && w.contacts.chunks.front()->result.extremes.filled;
+}
+
+void check_results(World& w) {
+  if (!w.contacts.news.load(std::memory_order_relaxed)) return;
+  report_failures(w.rules, w.rows, w.contacts, w.walls);
+  if (balance_due(w)) {
+    const Energies e = energies_of(w);
+    judge_step(w.rules, w.clock, w.contacts, w.walls, w.monitor, &e);
+  } else {
+    judge_step(w.rules, w.clock, w.contacts, w.walls, w.monitor, nullptr);
+  }
+  remove_leavers(w.rules, w.clock, w.rows, w.contacts, w.lists, w.ledger, w.counters, w.parts);
+  w.contacts.news.store(false, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+void run_node(World& w, const NodeSpec& node, Chunk& c) {
+  const int index = node.phase == Phase::chunk ? c.index : -1;
+  w.team.failure.guard(index, [&] {
+    const NodeTimer timer(w.team.times, index, node.id);
+    node.run(w, c);
+  });
+}
+
+void check_step(World& w) {
+  check_results(w);
+  Clock& clock = w.clock;
+  const Scene& scene = w.rules.scene;
+  clock.stop = clock.step >= clock.target;
+  clock.rebuild = false;
+  if (clock.stop) return;
+  if (w.rules.has.walls) w.walls.set_step(clock.step, scene.dt);
+  if (w.rules.has.moving_walls) judge_walls(w.rules, w.rows, w.walls);
+  const bool insertion = w.rules.has.insertion && w.insertion->next_step(clock.step) == clock.step;
+  const bool epoch = clock.step % scene.sort_every == 0;
+  clock.structure = insertion || event_due(w.rules, clock) || epoch;
+  clock.sampled = clock.step >= scene.relax.steps &&
+                  (clock.structure || clock.step % k_sample_every == 0 || clock.step == scene.relax.steps);
+  clock.rebuild = clock.structure || !w.lists.valid || lists_expired(w.rules, clock, w.contacts, w.lists, w.walls);
+}
+
+void finish_step(World& w, const std::vector<NodeSpec>& table) {
+  std::swap(w.rows.p, w.rows.p2);
+  std::swap(w.rows.v, w.rows.v2);
+  w.rows.velocity_at_old_step = true;
+  note_travel(w.contacts, w.lists);
+  for (const NodeSpec& node : table)
+    if (node.in && node.phase == Phase::finish) run_node(w, node, *w.contacts.chunks.front());
+  if (w.rules.has.planes) add_crossings(w.rules, w.rows, w.contacts, w.planes);
+  const std::chrono::duration<double> now = std::chrono::steady_clock::now().time_since_epoch();
+  w.team.lane_choice.step_done(now.count(), w.lists.last_rebuild_step != w.clock.step && !w.clock.structure);
+  w.team.times.step = ++w.clock.step;
+  ++w.counters.steps;
+}
+
+void cut_into_chunks(World& w) {
+  w.contacts.chunk_size = choose_chunk(w.rules, w.rows);
+  w.contacts.chunk_of = ChunkMap(w.contacts.chunk_size);
+  make_chunks(w.contacts, w.rows.n);
+  limit_lanes(w.rules, w.contacts, w.team);
+}
+
+void take_back(World& w, const StepFailure& failure) {
+  w.monitor.culprits = failure.ids();
+  if (failure.takes_back()) {
+    if (w.counters.steps > 0 && w.rows.velocity_at_old_step) {
+      std::swap(w.rows.p, w.rows.p2);
+      std::swap(w.rows.v, w.rows.v2);
+      w.rows.velocity_at_old_step = false;
+      w.ledger.work = w.ledger.work_before;
+      w.planes.take_back();
+      for (const auto& p : w.parts.all) p->take_back();
+      w.team.times.step = --w.clock.step;
+      --w.counters.steps;
+      if (w.rules.has.walls) w.walls.set_step(w.clock.step, w.rules.scene.dt);
+    }
+    forget_results(w.contacts);
+    w.lists.valid = false;
+  }
+  throw Error(ErrorCode::physics, failure.what(), "step " + std::to_string(w.clock.step), failure.cure());
+}
+
+}  // namespace talus

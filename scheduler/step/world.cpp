@@ -1,0 +1,22 @@
+// See world.hpp.
+#include "scheduler/step/world.hpp"
+
+#include <utility>
+
+namespace talus {
+
+World::World(Start start)
+    : rules(std::move(start.rules)),
+      rows(rules),
+      lists(rules, start.skin, rows.columns),
+      ledger(rules, rows.columns),
+      walls(std::move(start.walls)),
+      insertion(std::move(start.insertion)),
+      planes(rules.scene),
+      parts(make_parts(rules)),
+      team(rules.threads) {
+  clock.gravity = rules.scene.gravity;
+  for (const auto& p : parts.all) p->add_columns(rows.columns);
+}
+
+}  // namespace talus

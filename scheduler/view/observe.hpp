@@ -1,0 +1,18 @@
+// Views of a run: energies, frames, plan, memory. Nothing here changes anything.
+#pragma once
+
+#include "core/base/types.hpp"
+#include "scheduler/simulation.hpp"
+
+namespace talus {
+
+struct World;
+
+Energies energies_of(const World& w);
+/// Energy rows of the contacts of the present positions, as Ledger::rows; only with energies (frame.cpp).
+Column<double> energy_rows(const World& w);
+Frame frame_of(const World& w, const FrameRequest& request);  ///< frame.cpp
+Plan plan_of(const World& w);                                 ///< explain.cpp
+std::size_t bytes_of(const World& w);
+
+}  // namespace talus
