@@ -20,8 +20,13 @@
 #include "core/io/particle_file.hpp"
 #include "core/scene/scene_file.hpp"
 #include "paths.hpp"
+#include "scheduler/lists/rebuild.hpp"
+#include "scheduler/nodes/force.hpp"
+#include "scheduler/nodes/integrate.hpp"
+#include "scheduler/nodes/narrow.hpp"
+#include "scheduler/nodes/wall_contact.hpp"
 #include "scheduler/simulation.hpp"
-#include "scheduler/step/world.hpp"
+#include "scheduler/step/access.hpp"
 
 namespace talus::perf {
 
@@ -77,21 +82,43 @@ inline std::unique_ptr<Simulation> simulate(StateFile& state, Vec3 size, Vec3 gr
   options.threads = 1;
   auto sim = std::make_unique<Simulation>(parse_scene(text, "perf", k_source), options);
   sim->run(steps);
-  sim->world().law_args.dt = 1e-9;
   return sim;
 }
+
+/// The nodes of a world, run with rules of the benchmark's own.
+struct Nodes {
+  World& w;
+  Rules rules;
+  explicit Nodes(World& world) : w(world), rules(world.rules) { rules.law.args.dt = 1e-9; }
+  void narrow(Chunk& c) {
+    if (c.scratch == nullptr) c.scratch = w.team.scratch.take(-1);
+    narrow_chunk(rules, w.clock, w.rows, c);
+  }
+  void force(Chunk& c) { force_chunk(rules, w.clock, w.rows, w.ledger.rows, c, {}); }
+  void walls(Chunk& c) { wall_chunk(rules, w.clock, w.rows, w.lists, w.walls, w.ledger.rows, c); }
+  void integrate(Chunk& c) {
+    integrate_chunk(rules, w.clock, w.rows, w.lists, w.ledger.rows, c);
+    give_back(c);
+  }
+  void give_back(Chunk& c) {
+    w.team.scratch.give(c.scratch);
+    c.scratch = nullptr;
+  }
+  void rebuild() { rebuild_lists(rules, w.clock, w.rows, w.contacts, w.lists, w.counters, w.walls, w.team); }
+};
 
 /// The dense bed, made on first use. `contacts` counts evaluations: a pair across a chunk border is evaluated by both.
 struct Bed {
   std::unique_ptr<Simulation> sim;
   World& w;
+  Nodes nodes;
   double particles = 0, candidates = 0, contacts = 0;
 
-  explicit Bed(bool large) : sim(make(large)), w(sim->world()) {
-    particles = static_cast<double>(w.alive);
-    for (const auto& c : w.chunks) {
-      for (const std::int64_t pairs : c->pairs) candidates += static_cast<double>(pairs);
-      contacts += static_cast<double>(c->contact_end[2]);
+  explicit Bed(bool large) : sim(make(large)), w(EngineAccess::world(*sim)), nodes(w) {
+    particles = static_cast<double>(w.rows.alive);
+    for (const auto& c : w.contacts.chunks) {
+      for (const std::int64_t pairs : c->list.pairs) candidates += static_cast<double>(pairs);
+      contacts += static_cast<double>(c->contacts.end[2]);
     }
   }
 
@@ -149,7 +176,7 @@ inline std::unique_ptr<Simulation> make_wall_world(const WallCase& c) {
   StateFile probe;
   probe.add({1, 1, 31}, k_wall_radius);
   const auto bare = simulate(probe, size, {}, wall, 0);
-  const WallSurface surface = bare->world().walls.surfaces().at(0);
+  const WallSurface surface = EngineAccess::world(*bare).walls.surfaces().at(0);
   std::vector<double> area;  // cumulative
   for (const auto& t : surface.triangles) {
     const Vec3 a = surface.points[static_cast<std::size_t>(t[0])];

@@ -7,6 +7,7 @@
 
 #include "perf/kernels_measure.hpp"
 #include "perf/touching.hpp"
+#include "scheduler/step/step.hpp"
 
 namespace talus::perf {
 
@@ -15,14 +16,14 @@ namespace {
 enum class Part { narrow, force, integrate, all };
 
 /// One step of all chunks without advancing it; ns (and operations, where they count) of the parts asked for.
-double step_once(World& w, const KernelTable& t, Part part) {
-  w.kernels = &t;
+double step_once(Bed& b, const KernelTable& t, Part part) {
+  b.nodes.rules.kernels = &t;
   double ns = 0;
   Operations kept;
-  const auto timed = [&](Part one, void (*node)(World&, Chunk&), Chunk& c) {
+  const auto timed = [&](Part one, void (Nodes::*node)(Chunk&), Chunk& c) {
     operations() = {};
     const double begin = wall_ns();
-    node(w, c);
+    (b.nodes.*node)(c);
     const double end = wall_ns();
     if (part != one && part != Part::all) return;
     ns += end - begin;
@@ -30,10 +31,10 @@ double step_once(World& w, const KernelTable& t, Part part) {
     kept.divisions += operations().divisions;
     kept.roots += operations().roots;
   };
-  for (const auto& c : w.chunks) {
-    timed(Part::narrow, narrow_chunk, *c);
-    timed(Part::force, force_chunk, *c);
-    timed(Part::integrate, integrate_chunk, *c);
+  for (const auto& c : b.w.contacts.chunks) {
+    timed(Part::narrow, &Nodes::narrow, *c);
+    timed(Part::force, &Nodes::force, *c);
+    timed(Part::integrate, &Nodes::integrate, *c);
   }
   operations() = kept;
   return ns;
@@ -45,7 +46,7 @@ struct Traffic {
   double lists, history;
   explicit Traffic(const Bed& b)
       : lists((8 + 0.25) * b.candidates / b.particles),
-        history(16.0 * b.w.has.history_columns * b.contacts / b.particles) {}
+        history(16.0 * b.w.rules.has.history_columns * b.contacts / b.particles) {}
 };
 void run_part(benchmark::State& state, const KernelTable& t, bool large, Part part, const char* name) {
   Bed& b = Bed::get(large);
@@ -57,7 +58,7 @@ void run_part(benchmark::State& state, const KernelTable& t, bool large, Part pa
   if (part == Part::narrow) elements = b.candidates;
   if (part == Part::force) elements = b.contacts;
   const Work work{std::string(name) + size_name(large), elements, bytes * b.particles / elements};
-  measure(state, t, work, [&](const KernelTable& k) { return step_once(b.w, k, part); });
+  measure(state, t, work, [&](const KernelTable& k) { return step_once(b, k, part); });
   state.SetLabel("per " +
                  std::string(part == Part::narrow  ? "candidate, "
                              : part == Part::force ? "contact, "
@@ -90,26 +91,28 @@ void run_scatter(benchmark::State& state, const KernelTable& t, bool large) {
       const int n = block_size(c, k0);
       double* f = c.scratch->f.data() - 8L * c.lo;
       const auto within = [&](std::int64_t q) { return static_cast<int>(std::clamp<std::int64_t>(q - k0, 0, n)); };
-      k.scatter[1](ScatterArgs{f, c.scratch->ci.data() + k0, c.scratch->cj.data() + k0, n, within(c.contact_end[0]),
-                               within(c.contact_end[1]), buffers.r});
+      k.scatter[1](ScatterArgs{f, c.scratch->ci.data() + k0, c.scratch->cj.data() + k0, n, within(c.contacts.end[0]),
+                               within(c.contacts.end[1]), buffers.r});
     });
   });
 }
 
 void run_damped(benchmark::State& state, const KernelTable& t, bool large) {
-  World& w = Bed::get(large).w;
-  w.scene.viscous_damping = 1e-9;
+  Rules& rules = Bed::get(large).nodes.rules;
+  rules.scene.viscous_damping = 1e-9;
   run_part(state, t, large, Part::integrate, "integrate_damped");
-  w.scene.viscous_damping = 0;
+  rules.scene.viscous_damping = 0;
 }
 
 /// The check itself is fused into integrate; this is the node that reads the chunks' flags, per chunk.
 void run_check(benchmark::State& state, const KernelTable& t, bool large) {
-  World& w = Bed::get(large).w;
-  step_once(w, t, Part::all);
-  for (const auto& c : w.chunks) c->out_count = 0;  // of a step that did not happen
-  measure(state, t, {"check", static_cast<double>(w.chunks.size()), 0, false},
-          [&](const KernelTable&) { benchmark::DoNotOptimize(check_step(w, w.step + 1)); });
+  Bed& b = Bed::get(large);
+  World& w = b.w;
+  step_once(b, t, Part::all);
+  w.clock.target = w.clock.step + 1;
+  for (const auto& c : w.contacts.chunks) c->result.out_count = 0;  // of a step that did not happen
+  measure(state, t, {"check", static_cast<double>(w.contacts.chunks.size()), 0, false},
+          [&](const KernelTable&) { check_step(w); });
   state.SetLabel("per step and chunk");
 }
 

@@ -19,20 +19,19 @@ struct LawBlock {
   BlockBuffers run, kept;
   alignas(64) double history[k_max_columns][k_block + k_pad] = {};
   Block block{};
-  LawArgs args = bed.w.law_args;
+  LawArgs args = bed.nodes.rules.law.args;
   std::size_t input_rows;  ///< that restore() puts back
 
   explicit LawBlock(bool friction) : input_rows(friction ? 8 : 4) {
     const Chunk& c = chunk();
     GatherArgs gather = gather_args(bed.w, c, 0, kept);
     select_kernels(Isa::automatic).gather[1](gather);
-    if (!friction)
-      std::memcpy(kept.r[3], kept.r[7], sizeof kept.r[7]);  // without rotation 1/m_i + 1/m_j is in lane 3
+    if (!friction) std::memcpy(kept.r[3], kept.r[7], sizeof kept.r[7]);  // without rotation 1/m_i + 1/m_j is in lane 3
     std::memcpy(run.x, kept.x, sizeof run.x);
     std::memcpy(run.g, kept.g, sizeof run.g);
     std::fill(run.reff, run.reff + k_block, 0.25);
-    for (int k = 0; k < std::min(k_max_history, bed.w.has.history_columns); ++k)
-      std::copy_n(c.h[k].data(), k_block, history[k]);
+    for (int k = 0; k < std::min(k_max_history, bed.w.rules.has.history_columns); ++k)
+      std::copy_n(c.contacts.h[k].data(), k_block, history[k]);
     block.n = block_size(c, 0);
     block.x = run.x[0];
     block.y = run.x[1];
@@ -47,7 +46,7 @@ struct LawBlock {
     block.t = run.t;
     restore();
   }
-  [[nodiscard]] const Chunk& chunk() const { return *bed.w.chunks[0]; }
+  [[nodiscard]] const Chunk& chunk() const { return *bed.w.contacts.chunks[0]; }
   void restore() {
     std::memcpy(run.r, kept.r, sizeof run.r[0] * input_rows);
     benchmark::ClobberMemory();
@@ -86,8 +85,8 @@ void run_law(benchmark::State& state, const KernelTable& t, const LawCase& law) 
   const int index = law_index(info, law.friction, law.multi, law.energy);
   // in: distance and what follows from it, motion, history; out: force rows, history, energies. All of it in L1
   const double lanes = 8 + (law.friction ? 8 + 7 : 4 + 4) +
-                       2.0 * ((law.friction ? info.history : 0) + b.bed.w.law_args.recall) + (info.wants_reff ? 1 : 0) +
-                       (law.energy ? 3 : 0) + (law.multi ? 0.5 : 0);
+                       2.0 * ((law.friction ? info.history : 0) + b.bed.nodes.rules.law.args.recall) +
+                       (info.wants_reff ? 1 : 0) + (law.energy ? 3 : 0) + (law.multi ? 0.5 : 0);
   measure(
       state, t, {law.name(), static_cast<double>(b.block.n), 8 * lanes},
       [&](const KernelTable& k) {
@@ -101,7 +100,7 @@ void run_law(benchmark::State& state, const KernelTable& t, const LawCase& law) 
 void run_trial(benchmark::State& state, const KernelTable& t) {
   LawBlock b(true);
   const double copy = b.cost([&] { b.restore(); });
-  const double lanes = 8 + 8 + 8 + 3 + 2.0 * (3 + b.bed.w.law_args.recall);
+  const double lanes = 8 + 8 + 8 + 3 + 2.0 * (3 + b.bed.nodes.rules.law.args.recall);
   measure(
       state, t, {"trial_linear", static_cast<double>(b.block.n), 8 * lanes},
       [&](const KernelTable& k) {
@@ -123,16 +122,16 @@ void run_scatter_limited(benchmark::State& state, const KernelTable& t, bool lar
   }
   Bed& b = Bed::get(large);
   Touching touching(b);
-  for (const auto& c : b.w.chunks)
-    for (int q = 0; q < 3; ++q) grow(c->scratch->h[q], static_cast<std::size_t>(c->contact_end[2]) + 2 * k_pad);
+  for (const auto& c : b.w.contacts.chunks)
+    for (int q = 0; q < 3; ++q) grow(c->scratch->h[q], static_cast<std::size_t>(c->contacts.end[2]) + 2 * k_pad);
   const double bytes = 8 + 2 * k_row8 * b.particles / b.contacts + 2 * 3 * 8;
   measure(state, t, {std::string("scatter_limited") + size_name(large), b.contacts, bytes}, [&](const KernelTable& k) {
     touching.blocks([&](Chunk& c, std::int64_t k0) {
       Scratch& s = *c.scratch;
       const int n = block_size(c, k0);
       const auto within = [&](std::int64_t q) { return static_cast<int>(std::clamp<std::int64_t>(q - k0, 0, n)); };
-      k.scatter_limited({{s.f.data() - 8L * c.lo, s.ci.data() + k0, s.cj.data() + k0, n, within(c.contact_end[0]),
-                          within(c.contact_end[1]), trial.r},
+      k.scatter_limited({{s.f.data() - 8L * c.lo, s.ci.data() + k0, s.cj.data() + k0, n, within(c.contacts.end[0]),
+                          within(c.contacts.end[1]), trial.r},
                          trial.t,
                          trial.g[3],
                          {s.h[0].data() + k0, s.h[1].data() + k0, s.h[2].data() + k0},
@@ -150,8 +149,8 @@ void run_moments(benchmark::State& state, const KernelTable& t, const MomentCase
   LawBlock b(true);
   const KernelTable& best = select_kernels(Isa::automatic);
   best.law[law_index(law_info(ContactModel::linear), true, false, false)](b.block, b.args);
-  best.spin({b.bed.w.p.data(), b.bed.w.v.data(), b.chunk().scratch->ci.data(), b.chunk().scratch->cj.data(), b.block.n,
-             b.kept.s});
+  best.spin({b.bed.w.rows.p.data(), b.bed.w.rows.v.data(), b.chunk().scratch->ci.data(), b.chunk().scratch->cj.data(),
+             b.block.n, b.kept.s});
   const auto restore = [&] {
     std::memcpy(b.run.s, b.kept.s, sizeof b.run.s);
     benchmark::ClobberMemory();
@@ -191,8 +190,8 @@ void run_spin(benchmark::State& state, const KernelTable& t, bool large) {
   const double bytes = 8 + (k_row4 + k_row8) * b.particles / b.contacts;
   measure(state, t, {std::string("spin") + size_name(large), b.contacts, bytes}, [&](const KernelTable& k) {
     touching.blocks([&](const Chunk& c, std::int64_t k0) {
-      k.spin({b.w.p.data(), b.w.v.data(), c.scratch->ci.data() + k0, c.scratch->cj.data() + k0, block_size(c, k0),
-              buffers.s});
+      k.spin({b.w.rows.p.data(), b.w.rows.v.data(), c.scratch->ci.data() + k0, c.scratch->cj.data() + k0,
+              block_size(c, k0), buffers.s});
     });
   });
 }
@@ -201,7 +200,8 @@ void run_cohesion(benchmark::State& state, const KernelTable& t) {
   LawBlock b(true);
   b.input_rows = 3;
   const double copy = b.cost([&] { b.restore(); });
-  const CohesionArgs args{1e3, nullptr, b.bed.w.p.data(), b.chunk().scratch->ci.data(), b.chunk().scratch->cj.data(), 0};
+  const CohesionArgs args{
+      1e3, nullptr, b.bed.w.rows.p.data(), b.chunk().scratch->ci.data(), b.chunk().scratch->cj.data(), 0};
   measure(
       state, t, {"cohesion_sjkr", static_cast<double>(b.block.n), 8.0 * (4 + 3 + 3) + 8},
       [&](const KernelTable& k) {
@@ -219,13 +219,13 @@ void run_narrow_adhesive(benchmark::State& state, const KernelTable& t, bool lar
   const double bytes = 8.25 + k_row4 * b.particles / b.candidates;
   measure(state, t, {std::string("narrow_adhesive") + size_name(large), b.candidates, bytes},
           [&](const KernelTable& k) {
-            for (const auto& c : b.w.chunks) {
+            for (const auto& c : b.w.contacts.chunks) {
               NarrowArgs a{};
-              a.p = b.w.p.data();
-              a.pi = c->pi.data();
-              a.pj = c->pj.data();
-              a.mask = c->mask.data();
-              std::copy_n(c->end, 3, a.end);
+              a.p = b.w.rows.p.data();
+              a.pi = c->list.pi.data();
+              a.pj = c->list.pj.data();
+              a.mask = c->list.mask.data();
+              std::copy_n(c->list.end, 3, a.end);
               a.ci = c->scratch->ci.data();
               a.cj = c->scratch->cj.data();
               k.narrow_adhesive(a, {nullptr, 1, range});
@@ -238,17 +238,17 @@ void run_carry(benchmark::State& state, const KernelTable& t, bool large) {
   Bed& b = Bed::get(large);
   Touching touching(b);
   constexpr int columns = 4;
-  for (const auto& c : b.w.chunks)
-    for (auto& h : c->scratch->h) grow(h, static_cast<std::size_t>(c->contact_end[2]) + 2 * k_pad);
+  for (const auto& c : b.w.contacts.chunks)
+    for (auto& h : c->scratch->h) grow(h, static_cast<std::size_t>(c->contacts.end[2]) + 2 * k_pad);
   const double bytes = 2.0 * columns * 8 + 0.25 * b.candidates / b.contacts;
   measure(state, t, {std::string("carry") + size_name(large), b.contacts, bytes}, [&](const KernelTable& k) {
-    for (const auto& c : b.w.chunks) {
+    for (const auto& c : b.w.contacts.chunks) {
       CarryArgs a{};
-      a.before = a.now = c->mask.data();
-      a.slots = c->end[2];
+      a.before = a.now = c->list.mask.data();
+      a.slots = c->list.end[2];
       a.columns = columns;
       for (int q = 0; q < columns; ++q) {
-        a.from[q] = c->h[q].data();
+        a.from[q] = c->contacts.h[q].data();
         a.to[q] = c->scratch->h[q].data();
       }
       k.carry(a);

@@ -9,9 +9,9 @@ namespace talus::perf {
 namespace {
 
 double part_ns(const World& w, RebuildPart part) {
-  const auto k = static_cast<int>(part);
-  double seconds = w.serial.rebuild_seconds[k];
-  for (const auto& c : w.chunks) seconds += c->rebuild_seconds[k];
+  const auto k = static_cast<std::size_t>(part);
+  double seconds = w.lists.seconds[k];
+  for (const auto& c : w.contacts.chunks) seconds += c->rebuild_seconds[k];
   return 1e9 * seconds;
 }
 
@@ -36,11 +36,12 @@ void run_part(benchmark::State& state, const KernelTable& t, bool large, const P
   double bytes = p.bytes;
   if (p.part == RebuildPart::search) bytes += 8 * b.candidates / b.particles;  // pairs out
   if (p.part == RebuildPart::history)  // pairs copied, mask written, touching pairs and the history read and written
-    bytes += (16 + 0.125) * b.candidates / b.particles + (16 + 16 * w.has.history_columns) * b.contacts / b.particles;
+    bytes +=
+        (16 + 0.125) * b.candidates / b.particles + (16 + 16 * w.rules.has.history_columns) * b.contacts / b.particles;
   const auto body = [&](const KernelTable& k) {
-    w.kernels = &k;
+    b.nodes.rules.kernels = &k;
     const double before = part_ns(w, p.part);
-    rebuild_lists(w);
+    b.nodes.rebuild();
     return part_ns(w, p.part) - before;
   };
   measure(state, t, {std::string(p.name) + size_name(large), b.particles, bytes, p.kernel}, body);
@@ -50,10 +51,10 @@ void run_part(benchmark::State& state, const KernelTable& t, bool large, const P
 void run_rebuild(benchmark::State& state, const KernelTable& t, bool large) {
   Bed& b = Bed::get(large);
   const double bytes = 196 + 48 + 4 + 64 + 56 + 24 * b.candidates / b.particles +
-                       (16 + 16 * b.w.has.history_columns) * b.contacts / b.particles;
+                       (16 + 16 * b.w.rules.has.history_columns) * b.contacts / b.particles;
   measure(state, t, {std::string("rebuild") + size_name(large), b.particles, bytes}, [&](const KernelTable& k) {
-    b.w.kernels = &k;
-    rebuild_lists(b.w);
+    b.nodes.rules.kernels = &k;
+    b.nodes.rebuild();
   });
   state.SetLabel("per grain, all parts");
 }
@@ -62,14 +63,15 @@ void run_rebuild(benchmark::State& state, const KernelTable& t, bool large) {
 void run_sort_epoch(benchmark::State& state, const KernelTable& t, bool large) {
   Bed& b = Bed::get(large);
   measure(state, t, {"sort_epoch", b.particles, 4 * 96 + 2 * 8, false}, [&](const KernelTable& k) {
-    b.w.kernels = &k;
+    b.nodes.rules.kernels = &k;
+    World& w = b.w;
     const double begin = wall_ns();
-    sort_epoch(b.w);
+    sort_epoch(w.rules, w.rows, w.contacts, w.lists, w.counters, w.team);
     const double ns = wall_ns() - begin;
-    rebuild_lists(b.w);
+    b.nodes.rebuild();
     return ns;
   });
-  b.w.velocity_at_old_step = true;
+  b.w.rows.velocity_at_old_step = true;
 }
 
 }  // namespace

@@ -18,24 +18,23 @@ struct Split {
   Column<std::int32_t> i, j;
   explicit Split(Bed& b) {
     World& w = b.w;
-    const auto rows = static_cast<std::size_t>(w.n) + 1;
+    const auto rows = static_cast<std::size_t>(w.rows.n) + 1;
     for (auto& column : c) column.resize(rows);
     for (auto& column : f) column.assign(rows, 0.0);
     for (std::size_t q = 0; q < rows; ++q) {
-      for (std::size_t k = 0; k < 4; ++k) c[k][q] = w.p[4 * q + k];
+      for (std::size_t k = 0; k < 4; ++k) c[k][q] = w.rows.p[4 * q + k];
       for (std::size_t k = 0; k < 3; ++k) {
-        c[4 + k][q] = w.v[8 * q + k];
-        c[7 + k][q] = w.v[8 * q + 4 + k];
+        c[4 + k][q] = w.rows.v[8 * q + k];
+        c[7 + k][q] = w.rows.v[8 * q + 4 + k];
       }
-      c[10][q] = w.v[8 * q + 7];
+      c[10][q] = w.rows.v[8 * q + 7];
     }
-    for (const auto& chunk : w.chunks) {
-      narrow_chunk(w, *chunk);
+    for (const auto& chunk : w.contacts.chunks) {
+      b.nodes.narrow(*chunk);
       const Scratch& s = *chunk->scratch;
-      i.insert(i.end(), s.ci.begin(), s.ci.begin() + chunk->contact_end[2]);
-      j.insert(j.end(), s.cj.begin(), s.cj.begin() + chunk->contact_end[2]);
-      w.scratch.give(chunk->scratch);
-      chunk->scratch = nullptr;
+      i.insert(i.end(), s.ci.begin(), s.ci.begin() + chunk->contacts.end[2]);
+      j.insert(j.end(), s.cj.begin(), s.cj.begin() + chunk->contacts.end[2]);
+      b.nodes.give_back(*chunk);
     }
     i.resize(i.size() / k_block * k_block);
     j.resize(i.size());

@@ -12,31 +12,31 @@ World& wall_world(const WallCase& c) {
   static std::map<std::string, std::unique_ptr<Simulation>> worlds;
   auto& sim = worlds[c.name];
   if (!sim) sim = make_wall_world(c);
-  return sim->world();
+  return EngineAccess::world(*sim);
 }
 
-Vec3 centre(const World& w, Row i) { return {w.p[4L * i], w.p[4L * i + 1], w.p[4L * i + 2]}; }
+Vec3 centre(const World& w, Row i) { return {w.rows.p[4L * i], w.rows.p[4L * i + 1], w.rows.p[4L * i + 2]}; }
 
 void run_candidates(benchmark::State& state, const KernelTable& t, const WallCase& c) {
   World& w = wall_world(c);
   std::vector<std::int32_t> found;
-  measure(state, t, {"wall_candidates", static_cast<double>(w.n), 0, false}, [&](const KernelTable&) {
+  measure(state, t, {"wall_candidates", static_cast<double>(w.rows.n), 0, false}, [&](const KernelTable&) {
     found.clear();
-    for (Row i = 0; i < w.n; ++i)
-      w.walls.candidates(centre(w, i), w.p[4L * i + 3] + __builtin_sqrt(w.x0[4L * i + 3]), found);
+    for (Row i = 0; i < w.rows.n; ++i)
+      w.walls.candidates(centre(w, i), w.rows.p[4L * i + 3] + __builtin_sqrt(w.lists.x0[4L * i + 3]), found);
     benchmark::DoNotOptimize(found.data());
   });
-  state.SetLabel("per grain, " + std::to_string(static_cast<double>(found.size()) / w.n) + " elements found");
+  state.SetLabel("per grain, " + std::to_string(static_cast<double>(found.size()) / w.rows.n) + " elements found");
 }
 
 /// Candidates of all chunks in the order of the node.
 template <class F>
 void for_rows(const World& w, F fn) {
-  for (const auto& c : w.chunks)
-    for (std::size_t q = 0; q + 1 < c->wall_begin.size(); ++q)
-      fn(c->wall_row[q],
-         std::span<const std::int32_t>(c->wall_element.data() + c->wall_begin[q],
-                                       static_cast<std::size_t>(c->wall_begin[q + 1] - c->wall_begin[q])));
+  for (const auto& c : w.contacts.chunks)
+    for (std::size_t q = 0; q + 1 < c->wall.begin.size(); ++q)
+      fn(c->wall.row[q],
+         std::span<const std::int32_t>(c->wall.element.data() + c->wall.begin[q],
+                                       static_cast<std::size_t>(c->wall.begin[q + 1] - c->wall.begin[q])));
 }
 
 void run_contacts(benchmark::State& state, const KernelTable& t, const WallCase& c) {
@@ -45,11 +45,11 @@ void run_contacts(benchmark::State& state, const KernelTable& t, const WallCase&
   double candidates = 0, touching = 0;
   for_rows(w, [&](Row i, auto elements) {
     candidates += static_cast<double>(elements.size());
-    touching += w.walls.contacts(centre(w, i), w.p[4L * i + 3], elements, found);
+    touching += w.walls.contacts(centre(w, i), w.rows.p[4L * i + 3], elements, found);
   });
   measure(state, t, {"wall_contacts", candidates, 0, false}, [&](const KernelTable&) {
     for_rows(w, [&](Row i, auto elements) {
-      benchmark::DoNotOptimize(w.walls.contacts(centre(w, i), w.p[4L * i + 3], elements, found));
+      benchmark::DoNotOptimize(w.walls.contacts(centre(w, i), w.rows.p[4L * i + 3], elements, found));
     });
   });
   state.SetLabel("per candidate, touching: " + std::to_string(touching / candidates));
@@ -57,20 +57,18 @@ void run_contacts(benchmark::State& state, const KernelTable& t, const WallCase&
 
 void run_node(benchmark::State& state, const KernelTable& t, const WallCase& c) {
   World& w = wall_world(c);
+  Nodes nodes(w);
   double contacts = 0;
-  for (const auto& chunk : w.chunks) {
-    narrow_chunk(w, *chunk);
-    force_chunk(w, *chunk);
-    contacts += static_cast<double>(chunk->wall_state.size());
+  for (const auto& chunk : w.contacts.chunks) {
+    nodes.narrow(*chunk);
+    nodes.force(*chunk);
+    contacts += static_cast<double>(chunk->wall.state.size());
   }
   measure(state, t, {std::string("wall_contact") + c.name, contacts, 0}, [&](const KernelTable& k) {
-    w.kernels = &k;
-    for (const auto& chunk : w.chunks) wall_chunk(w, *chunk);
+    nodes.rules.kernels = &k;
+    for (const auto& chunk : w.contacts.chunks) nodes.walls(*chunk);
   });
-  for (const auto& chunk : w.chunks) {
-    w.scratch.give(chunk->scratch);
-    chunk->scratch = nullptr;
-  }
+  for (const auto& chunk : w.contacts.chunks) nodes.give_back(*chunk);
   state.SetLabel("per wall contact; flops of the law alone");
 }
 
