@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/box.hpp"
 #include "core/base/types.hpp"
 #include "core/base/words.hpp"
 
@@ -44,6 +45,7 @@ struct Domain {
       {{Boundary::wall, Boundary::wall}, {Boundary::wall, Boundary::wall}, {Boundary::wall, Boundary::wall}}};
   int wall_material = 0;
   bool periodic(int axis) const noexcept { return boundary[axis][0] == Boundary::periodic; }
+  Box box() const noexcept { return {upper - lower, {periodic(0), periodic(1), periodic(2)}}; }
 };
 
 struct Material {
