@@ -33,16 +33,7 @@ std::vector<double> reaches(const World& w) {
 
 bool touch(const World& w, Row i, Row j, double r) {
   const double *a = w.p.data() + 4L * i, *b = w.p.data() + 4L * j;
-  double d2 = 0;
-  for (int k = 0; k < 3; ++k) {
-    double d = a[k] - b[k];
-    if (w.scene.domain.periodic(k)) {
-      if (d > 0.5 * w.size[k]) d -= w.size[k];
-      if (d < -0.5 * w.size[k]) d += w.size[k];
-    }
-    d2 += d * d;
-  }
-  return d2 < r * r;
+  return norm2(w.scene.domain.box().nearest({a[0] - b[0], a[1] - b[1], a[2] - b[2]})) < r * r;
 }
 
 /// Rows in strips across the domain's second longest side, sorted along the longest one within each: partners are in

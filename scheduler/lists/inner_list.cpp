@@ -70,12 +70,8 @@ Sections cut_sections(World& w, Chunk& c, ListScratch& t, const Sections* fresh)
   a.pi = c.outer_i.data();
   a.pj = c.outer_j.data();
   a.mask = t.mask.data();
-  for (int k = 0; k < 3; ++k) {
-    a.end[k] = c.outer_end[k];
-    const bool periodic = w.scene.domain.periodic(k);
-    a.half[k] = periodic ? 0.5 * w.size[k] : 1e300;
-    a.period[k] = periodic ? w.size[k] : 0.0;
-  }
+  const Box box = w.scene.domain.box();
+  for (int k = 0; k < 3; ++k) a.end[k] = c.outer_end[k], a.half[k] = box.half(k), a.period[k] = box.period(k);
   a.periodic = w.has.periodic ? 1 : 0;
   a.ci = t.build[0].data();
   a.cj = t.build[1].data();

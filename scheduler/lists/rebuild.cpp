@@ -26,7 +26,7 @@ Sections search_chunk(World& w, const Chunk& c, ListScratch& t) {
   a.start = w.cell_start.data();
   a.level = w.level;
   a.levels = w.levels;
-  for (int k = 0; k < 3; ++k) a.period[k] = w.scene.domain.periodic(k) ? w.size[k] : 0.0;
+  for (int k = 0; k < 3; ++k) a.period[k] = w.scene.domain.box().period(k);
   a.p = w.p.data();
   a.reach = w.reach.data();
   a.fixed = w.has.fixed ? w.fixed.data() : nullptr;

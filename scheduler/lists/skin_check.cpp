@@ -45,15 +45,7 @@ constexpr double k_shrink = 0.9;  // of a skin that was not used up, per rebuild
 constexpr Row k_neighbours = 64;  // rows lie in Morton order: 64 of them fill a compact part of space
 
 /// Squared length [m2] of the minimum image of d.
-double image2(const World& w, const Vec3& d) {
-  double sum = 0;
-  for (int k = 0; k < 3; ++k) {
-    const double period = w.size[k];
-    const double c = w.scene.domain.periodic(k) ? d[k] - period * __builtin_floor(d[k] / period + 0.5) : d[k];
-    sum += c * c;
-  }
-  return sum;
-}
+double image2(const World& w, const Vec3& d) { return norm2(w.scene.domain.box().nearest_of_any(d)); }
 
 }  // namespace
 
@@ -183,13 +175,8 @@ double distance2(const World& w, const double* x, const double* y) {
 }
 
 WallSet::Wraps wraps_of(const World& w, const double* x, const double* y) {
-  WallSet::Wraps n{};
-  for (int k = 0; k < 3; ++k) {
-    if (!w.scene.domain.periodic(k)) continue;
-    const double d = x[k] - y[k];
-    n[static_cast<std::size_t>(k)] = d > 0.5 * w.size[k] ? 1 : (d < -0.5 * w.size[k] ? -1 : 0);
-  }
-  return n;
+  const Box box = w.scene.domain.box();
+  return {box.wraps(0, x[0] - y[0]), box.wraps(1, x[1] - y[1]), box.wraps(2, x[2] - y[2])};
 }
 
 double used2(const World& w, Row i) {

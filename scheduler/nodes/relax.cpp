@@ -17,6 +17,7 @@ void relax_chunk(World& w, Chunk& c) {
   c.out_count = 0;
   c.expired = 0;
   c.unstable_row = -1;
+  const Box box = w.scene.domain.box();
   for (Row i = c.lo; i < c.hi; ++i) {
     const double *p = w.p.data() + 4L * i, *v = w.v.data() + static_cast<long>(w.stride) * i;
     double *p2 = w.p2.data() + 4L * i, *v2 = w.v2.data() + static_cast<long>(w.stride) * i;
@@ -49,9 +50,7 @@ void relax_chunk(World& w, Chunk& c) {
       if (w.scene.domain.periodic(k)) {
         if (p2[k] < 0) p2[k] = p2[k] + side;
         if (!(p2[k] < side)) p2[k] = p2[k] - side;
-        d = p2[k] - ref[k];
-        if (d >= 0.5 * side) d = d - side;
-        if (d < -0.5 * side) d = d + side;
+        d = box.nearest(k, p2[k] - ref[k]);
       } else {
         out = out || !(p2[k] >= 0 && p2[k] < side);
         d = p2[k] - ref[k];

@@ -10,14 +10,13 @@
 #include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
 #include "core/base/memory.hpp"
+#include "core/grains/body.hpp"
 #include "scheduler/step/world.hpp"
 
 namespace talus {
 
 double World::mass(Row i) const {
-  const double r = p[4L * i + 3];
-  const double rho = scene.materials[has.materials ? material[i] : 0].density;
-  return rho * (4.0 / 3.0 * det::k_pi) * (r * r * r);
+  return Body{p[4L * i + 3], scene.materials[has.materials ? material[i] : 0].density}.mass();
 }
 
 Vec3 World::gravity_along(bool periodic) const {
