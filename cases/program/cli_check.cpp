@@ -15,6 +15,7 @@
 #include "core/base/count.hpp"
 #include "core/base/memory.hpp"
 #include "core/base/text.hpp"
+#include "core/grains/body.hpp"
 #include "core/grains/insertion.hpp"
 #include "core/grains/source_notes.hpp"
 #include "core/scene/scene_forgotten.hpp"
@@ -25,15 +26,14 @@ namespace {
 
 /// Upper bound of what the sources deliver after step 0 [particles].
 std::int64_t most_to_come(const Scene& scene) {
-  const double pi = 3.14159265358979323846;
   const double duration = scene.dt * static_cast<double>(scene.steps);
   double total = 0;
   for (const Source& s : scene.sources) {
     const bool later = s.kind == Source::Kind::stream ||
                        (s.start > 0 && (s.kind == Source::Kind::lattice || s.kind == Source::Kind::random));
     if (!later || s.start >= duration) continue;
-    const double d = s.size.smallest();
-    const double lightest = scene.materials.at(static_cast<std::size_t>(s.material)).density * pi / 6 * d * d * d;
+    const double density = scene.materials.at(static_cast<std::size_t>(s.material)).density;
+    const double lightest = Body{0.5 * s.size.smallest(), density}.mass();
     const double time = std::min(s.end, duration) - s.start;
     double most = HUGE_VAL;
     if (s.number > 0) most = std::min(most, static_cast<double>(s.number));

@@ -19,7 +19,7 @@ bool same_bits(Vec3 a, Vec3 b) {
   return true;
 }
 
-GrowthPoint compare_frames(const Frame& a, const Frame& b, const Domain& domain) {
+GrowthPoint compare_frames(const Frame& a, const Frame& b, const Box& box) {
   GrowthPoint p;
   p.time = a.time;
   p.step_a = a.step;
@@ -40,11 +40,7 @@ GrowthPoint compare_frames(const Frame& a, const Frame& b, const Domain& domain)
       ++p.different;
       if (p.first < 0) p.first = a.id[i];
     }
-    Vec3 d = a.x[i] - b.x[j];
-    for (int k = 0; k < 3; ++k) {
-      const double side = domain.upper[k] - domain.lower[k];
-      if (domain.periodic(k)) d[k] -= side * std::round(d[k] / side);
-    }
+    const Vec3 d = box.nearest_of_any(a.x[i] - b.x[j]);
     const double dx2 = norm2(d), dv2 = norm2(a.v[i] - b.v[j]);
     x2 += dx2;
     v2 += dv2;
@@ -97,7 +93,7 @@ Growth compare_growth(const std::string& a, const std::string& b, const Domain& 
       if (g.radius == 0 && !fa.r.empty()) {
         for (const double r : fa.r) g.radius += r / static_cast<double>(fa.r.size());
       }
-      const GrowthPoint p = compare_frames(fa, fb, domain);
+      const GrowthPoint p = compare_frames(fa, fb, domain.box());
       if (g.first_time < 0 && p.different + p.only_a + p.only_b > 0) g.first_time = p.time;
       if (g.horizon < 0 && g.radius > 0 && p.rms > g.radius) g.horizon = p.time;
       g.points.push_back(p);

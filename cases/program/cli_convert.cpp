@@ -10,6 +10,7 @@
 #include "cases/program/cli_folder.hpp"
 #include "core/base/count.hpp"
 #include "core/base/text.hpp"
+#include "core/frame/quantities.hpp"
 #include "core/io/atomic_file.hpp"
 #include "core/io/particle_export.hpp"
 #include "core/io/particle_file.hpp"
@@ -120,7 +121,7 @@ ParticleColumns columns_of(const Input& in, std::size_t first, std::size_t last)
   for (std::size_t k = first; k <= last; ++k) {
     const Frame f = in.frame(k);
     if (f.x.empty()) continue;
-    return {!f.w.empty(), !f.material.empty(), !f.fixed.empty(), !f.coordination.empty(), !f.stress.empty()};
+    return ParticleColumns::of(f);
   }
   return {};
 }

@@ -24,15 +24,8 @@ void write_neighbourhood(const Simulation& simulation, const std::string& path) 
   const auto row_of = [&f](ParticleId id) { return std::lower_bound(f.id.begin(), f.id.end(), id) - f.id.begin(); };
   const auto culprit = static_cast<std::size_t>(row_of(simulation.culprits().front()));
   if (culprit >= f.id.size() || f.id[culprit] != simulation.culprits().front()) return;
-  const Domain& domain = simulation.scene().domain;
-  const auto distance = [&](std::size_t k) {
-    Vec3 d = f.x[k] - f.x[culprit];
-    for (int q = 0; q < 3; ++q) {
-      const double side = domain.upper[q] - domain.lower[q];
-      if (domain.periodic(q)) d[q] -= side * std::round(d[q] / side);
-    }
-    return norm(d);
-  };
+  const Box box = simulation.scene().domain.box();
+  const auto distance = [&](std::size_t k) { return norm(box.nearest(f.x[k] - f.x[culprit])); };
   std::multimap<ParticleId, std::string> touches;
   for (const ContactRecord& c : f.contacts) {
     const auto note = [&](ParticleId who, const std::string& partner) {

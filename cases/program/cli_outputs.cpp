@@ -14,6 +14,7 @@
 #include "cases/program/cli_failure.hpp"
 #include "cases/program/cli_schedule.hpp"
 #include "core/frame/averages.hpp"
+#include "core/frame/quantities.hpp"
 #include "core/io/series.hpp"
 #include "core/io/vtkhdf.hpp"
 #include "core/io/vtp.hpp"
@@ -277,8 +278,7 @@ std::string RunOutputs::dump_failure(const Simulation& simulation) noexcept {
     return {};
   }
   try {
-    ParticleColumns columns = ParticleColumns::of(impl_->scene);
-    columns.coordination = columns.stress = false;  // forces of a failed step mean nothing
+    const ParticleColumns columns = ParticleColumns::of(impl_->scene).without_forces();
     const Frame frame = simulation.frame({});
     write_vtp(impl_->folder.path("failed.vtp"), particle_poly(frame, columns), frame.time);
     write_neighbourhood(simulation, impl_->folder.path("failed_near.csv"));

@@ -3,16 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/count.hpp"
 #include "core/base/error.hpp"
+#include "core/grains/body.hpp"
 #include "core/grains/region.hpp"
 
 namespace talus {
 
 namespace {
-
-constexpr double k_pi = 3.14159265358979323846;
 
 /// Share of a sphere's volume below a plane at signed distance t radii above its centre.
 double below(double t) {
@@ -20,11 +20,13 @@ double below(double t) {
   if (t >= 1) return 1;
   return 0.25 * (2 + 3 * t - t * t * t);
 }
-double volume_of(double r) { return 4.0 / 3.0 * k_pi * (r * r * r); }
 
-double mass_of(const Frame& f, const Scene& s, std::size_t i) {
-  return volume_of(f.r[i]) * s.materials[f.material.empty() ? 0 : f.material[i]].density;
+Body body_of(const Frame& f, const Scene& s, std::size_t i) {
+  return {f.r[i], s.materials[f.material.empty() ? 0 : f.material[i]].density};
 }
+
+/// By way of the volume: the last bits of averages are those that series have always had.
+double mass_of(const Body& body) { return body.volume() * body.density; }
 
 /// Weighted sums of one region or cell; add() all particles, mean(), deviate() all particles, finish().
 struct Sums {
@@ -33,7 +35,8 @@ struct Sums {
   std::array<double, 6> stress{};
 
   void add(const Frame& f, const Scene& s, std::size_t i, double share) {
-    const double m = share * mass_of(f, s, i), v = share * volume_of(f.r[i]);
+    const Body body = body_of(f, s, i);
+    const double m = share * mass_of(body), v = share * body.volume();
     w += share;
     mass += m;
     volume += v;
@@ -46,7 +49,7 @@ struct Sums {
     if (mass > 0) mean = (1 / mass) * momentum;
   }
   void deviate(const Frame& f, const Scene& s, std::size_t i, double share) {
-    deviation += share * mass_of(f, s, i) * norm2(f.v[i] - mean);
+    deviation += share * mass_of(body_of(f, s, i)) * norm2(f.v[i] - mean);
   }
   RegionAverage finish(double region_volume) const {
     RegionAverage a;
@@ -81,7 +84,46 @@ struct Slabs {
   }
 };
 
+bool wants_coordination(const Scene& s) { return s.output.coordination; }
+bool wants_stress(const Scene& s) { return s.output.stress; }
+
+using A = RegionAverage;
+constexpr AverageQuantity k_averages[] = {
+    {"particles", "-", "grains, those partly inside by their share of volume inside; the same weight in all averages",
+     1, [](const A& a, double* to) { *to = a.particles; }, nullptr, false},
+    {"solid_fraction", "-", "volume of grains inside / volume of the region", 1,
+     [](const A& a, double* to) { *to = a.solid_fraction; }},
+    {"velocity", "m/s", "mean velocity of the grains, weighted by mass", 3,
+     [](const A& a, double* to) { to[0] = a.velocity.x, to[1] = a.velocity.y, to[2] = a.velocity.z; }},
+    {"granular_temperature", "m2/s2", "a third of the mean square of velocities about their mean, weighted by mass", 1,
+     [](const A& a, double* to) { *to = a.temperature; }},
+    {"coordination", "-", "mean over grains of the column coordination of frames", 1,
+     [](const A& a, double* to) { *to = a.coordination; }, wants_coordination},
+    {"stress", "Pa", "sum of the stress of grains times their volume inside / volume of the region", 6,
+     [](const A& a, double* to) { std::copy(a.stress.begin(), a.stress.end(), to); }, wants_stress},
+};
+
+PolyColumn cell_column(const AverageQuantity& q, const std::vector<RegionAverage>& cells) {
+  const auto width = static_cast<std::size_t>(q.components);
+  std::vector<double> values(width * cells.size());
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    double* const to = values.data() + width * k;
+    q.value(cells[k], to);
+    if (width == 6) std::swap(to[4], to[5]);  // to VTK's XX YY ZZ XY YZ XZ
+  }
+  return {std::string(q.name), q.components, std::move(values)};
+}
+
 }  // namespace
+
+std::span<const AverageQuantity> average_quantities() noexcept { return k_averages; }
+
+std::vector<const AverageQuantity*> averages_of(const Scene& scene) {
+  std::vector<const AverageQuantity*> wanted;
+  for (const AverageQuantity& q : k_averages)
+    if (q.wanted == nullptr || q.wanted(scene)) wanted.push_back(&q);
+  return wanted;
+}
 
 RegionAverage average_region(const Frame& frame, const Scene& scene, const Region& region) {
   Sums sums;
@@ -139,28 +181,18 @@ GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3>
     if (pass == 0)
       for (Sums& s : sums) s.close();
   }
-  std::vector<double> fraction, velocity, temperature, coordination, stress;
-  for (const Sums& s : sums) {
-    const RegionAverage a = s.finish(g.spacing.x * g.spacing.y * g.spacing.z);
-    fraction.push_back(a.solid_fraction);
-    velocity.insert(velocity.end(), {a.velocity.x, a.velocity.y, a.velocity.z});
-    temperature.push_back(a.temperature);
-    coordination.push_back(a.coordination);
-    const auto& t = a.stress;
-    stress.insert(stress.end(), {t[0], t[1], t[2], t[3], t[5], t[4]});
-  }
-  g.cell_data.push_back({"solid_fraction", 1, std::move(fraction)});
-  g.cell_data.push_back({"velocity", 3, std::move(velocity)});
-  g.cell_data.push_back({"granular_temperature", 1, std::move(temperature)});
+  std::vector<RegionAverage> averages;
+  averages.reserve(total);
+  for (const Sums& s : sums) averages.push_back(s.finish(g.spacing.x * g.spacing.y * g.spacing.z));
   // By the scene, not by the frame: a frame without particles has the same columns as the others.
-  if (scene.output.coordination) g.cell_data.push_back({"coordination", 1, std::move(coordination)});
-  if (scene.output.stress) g.cell_data.push_back({"stress", 6, std::move(stress)});
+  for (const AverageQuantity* q : averages_of(scene))
+    if (q->in_grids) g.cell_data.push_back(cell_column(*q, averages));
   return g;
 }
 
 double grid_bytes(std::array<int, 3> cells) noexcept {
-  constexpr double columns = 12 * sizeof(double);  // solid fraction to stress; twice while they grow
-  return (sizeof(Sums) + 2 * columns) * static_cast<double>(cells[0]) * cells[1] * cells[2];
+  constexpr double columns = 12 * sizeof(double);  // solid fraction to stress
+  return (sizeof(Sums) + sizeof(RegionAverage) + columns) * static_cast<double>(cells[0]) * cells[1] * cells[2];
 }
 
 }  // namespace talus

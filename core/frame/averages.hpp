@@ -5,10 +5,12 @@
 #pragma once
 
 #include <array>
+#include <span>
+#include <string_view>
 #include <vector>
 
+#include "core/frame/columns.hpp"
 #include "core/frame/frame.hpp"
-#include "core/io/vtp.hpp"
 #include "core/scene/scene.hpp"
 
 namespace talus {
@@ -24,10 +26,22 @@ struct RegionAverage {
   std::array<double, 6> stress{};  ///< contact stress, sum of w V_p sigma_p / volume: xx yy zz xy xz yz [Pa]
 };
 
+/// One of the averages: a column of the series for each region, and a cell column of grids.
+struct AverageQuantity {
+  std::string_view name, unit, doc;
+  int components;                                ///< 6: xx yy zz xy xz yz
+  void (*value)(const RegionAverage&, double*);  ///< puts its components
+  bool (*wanted)(const Scene&) = nullptr;        ///< nullptr: always
+  bool in_grids = true;
+};
+std::span<const AverageQuantity> average_quantities() noexcept;
+/// Those that a scene asks for.
+std::vector<const AverageQuantity*> averages_of(const Scene& scene);
+
 RegionAverage average_region(const Frame& frame, const Scene& scene, const Region& region);
 
-/// The same averages on nx*ny*nz cells over the domain as cell columns solid_fraction, velocity, granular_temperature
-/// and, where the frame has them, coordination and stress (VTK order). Periodic axes wrap. Error{io} if cells < 1.
+/// The same averages on nx*ny*nz cells over the domain as cell columns (tensors in VTK's order). Periodic axes wrap.
+/// Error{io} if cells < 1.
 GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3> cells);
 /// Memory that average_grid() takes [B].
 double grid_bytes(std::array<int, 3> cells) noexcept;

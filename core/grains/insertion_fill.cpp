@@ -11,6 +11,7 @@
 #include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
 #include "core/base/rng.hpp"
+#include "core/grains/body.hpp"
 #include "core/grains/insertion.hpp"
 #include "core/grains/occupied.hpp"
 #include "core/grains/region.hpp"
@@ -91,7 +92,7 @@ double Insertion::next_radius(std::size_t s) const {
 
 double Insertion::mass_of(std::size_t s, double r) const {
   const double density = scene_.materials[static_cast<std::size_t>(scene_.sources[s].material)].density;
-  return density * (4.0 / 3.0 * det::k_pi) * (r * r * r);
+  return Body{r, density}.mass();
 }
 
 void Insertion::deliver(std::size_t s, Vec3 x, double r, NewParticles& out) {
@@ -230,7 +231,7 @@ void Insertion::fill_random(std::size_t s, Site& site, NewParticles& out) {
                               placed, order.size(), volume / talus::volume(source.region), site.walls_text()),
                   fmt::format("source '{}'", source.name),
                   "enlarge the region, ask for fewer particles, or use a lattice or a stream");
-    volume += 4.0 / 3.0 * det::k_pi * (r[i] * r[i] * r[i]);
+    volume += Body{r[i]}.volume();
     site.occupied.add(x[i], r[i]);
   }
   for (std::size_t i = 0; i < r.size(); ++i) deliver(s, x[i], r[i], out);

@@ -7,6 +7,7 @@
 #include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
 #include "core/base/memory.hpp"
+#include "core/grains/body.hpp"
 #include "core/grains/insertion.hpp"
 #include "core/grains/region.hpp"
 
@@ -20,7 +21,7 @@ constexpr double k_many = 1000;          ///< fewer spheres may fill a region th
 constexpr double k_most = 1 << 30;       ///< rows of the engine
 constexpr double k_bytes_present = 600;  ///< [B] per particle: rows, contacts, lists, and the source's own at the start
 
-double sphere(double d) { return det::k_pi / 6 * (d * d * d); }
+double sphere(double d) { return Body{0.5 * d}.volume(); }
 
 /// Mean volume of the particles that a source draws [m3].
 double mean_volume(const SizeSampler& sampler) {

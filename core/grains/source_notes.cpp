@@ -11,6 +11,7 @@
 #include "core/grains/insertion.hpp"
 #include "core/grains/region.hpp"
 #include "core/grains/source_walls.hpp"
+#include "core/walls/shapes/shape.hpp"
 
 namespace talus {
 namespace {
@@ -63,7 +64,7 @@ std::vector<std::string> sides_of_closed_walls(const Scene& scene, WallSet& wall
   const auto undecided = [](const Source& s) {
     return s.kind != Source::Kind::file && s.closed_walls == Source::ClosedWalls::both;
   };
-  const auto encloses = [](const WallSpec& w) { return w.shape == WallShape::box || w.shape == WallShape::mesh; };
+  const auto encloses = [](const WallSpec& w) { return shape_kind(w.shape).enclosing != nullptr; };
   if (std::none_of(scene.sources.begin(), scene.sources.end(), undecided) ||
       std::none_of(scene.walls.begin(), scene.walls.end(), encloses))
     return notes;

@@ -3,29 +3,20 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 
 #include "core/base/error.hpp"
-#include "core/walls/wall_mesh.hpp"
+#include "core/walls/shapes/shape.hpp"
 #include "core/walls/wall_motion.hpp"
 
 namespace talus {
 namespace {
 
 std::unique_ptr<const ClosedSurface> closed_surface(const Scene& scene, const WallSpec& w) {
-  Mesh mesh;
-  if (w.shape == WallShape::box) {
-    mesh = box_mesh(w.lower, w.upper);
-  } else if (w.shape == WallShape::mesh) {
-    const std::filesystem::path file(w.file);
-    const auto path = file.is_absolute() ? file : std::filesystem::path(scene.directory) / file;
-    mesh = read_mesh(path.string(), {w.scale, w.shift, {}}, 0);
-    if (mesh.report.open_edges > 0) return nullptr;
-  } else {
-    return nullptr;
-  }
+  const ShapeKind& kind = shape_kind(w.shape);
+  const std::optional<Mesh> mesh = kind.enclosing != nullptr ? kind.enclosing(scene, w) : std::nullopt;
+  if (!mesh) return nullptr;
   try {
-    return std::make_unique<const ClosedSurface>(mesh);
+    return std::make_unique<const ClosedSurface>(*mesh);
   } catch (const Error&) {  // some edge has an odd number of facets
     return nullptr;
   }

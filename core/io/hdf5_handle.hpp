@@ -5,6 +5,8 @@
 
 #include <utility>
 
+#include "core/frame/columns.hpp"
+
 namespace talus {
 
 /// The library prints nothing (reasons go into Error) and does not clean up at exit: its clean-up writes what a full
@@ -59,5 +61,19 @@ class Handle {
  private:
   hid_t id_ = -1;
 };
+
+/// Type of a column's values in memory.
+inline hid_t native_type(const ColumnValues& values) {
+  switch (values.index()) {
+    case 0:
+      return H5T_NATIVE_DOUBLE;
+    case 1:
+      return H5T_NATIVE_INT64;
+    case 2:
+      return H5T_NATIVE_INT32;
+    default:
+      return H5T_NATIVE_UINT8;
+  }
+}
 
 }  // namespace talus

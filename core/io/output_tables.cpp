@@ -1,7 +1,11 @@
-// See output_tables.hpp.
+// See output_tables.hpp. The columns stand where they are made: core/frame/quantities.cpp, core/io/series_columns.cpp.
 #include "core/io/output_tables.hpp"
 
 #include <algorithm>
+#include <vector>
+
+#include "core/frame/quantities.hpp"
+#include "core/io/series_columns.hpp"
 
 namespace talus {
 namespace {
@@ -29,69 +33,10 @@ constexpr OutputFile k_files[] = {
      "what was written before a resume at step N with another scene"},
 };
 
-constexpr std::string_view k_sum = "sum", k_mean = "mean", k_moment = "moment";
-
-constexpr OutputColumn k_series[] = {
-    {"step", "-", k_moment, "number of executed steps"},
-    {"time", "s", k_moment, "simulated time, step * time.step"},
-    {"particles", "-", k_moment, "grains in the domain"},
-    {"kinetic_energy", "J", k_moment, "of translation, in the frame of the domain"},
-    {"contacts", "-", k_moment, "touching pairs of grains in the last executed step"},
-    {"wall_contacts", "-", k_moment, "contacts of grains with walls in the last executed step"},
-    {"coordination_number", "-", k_moment, "2 contacts / particles; walls do not count"},
-    {"inserted", "-", k_sum, "grains that sources have brought"},
-    {"removed", "-", k_sum, "grains that left through open sides or were removed by events"},
-    {"removed_mass", "kg", k_sum, "their mass"},
-    {"mass_flow", "kg/s", k_mean, "of removed_mass since the row before"},
-    {"kinetic_translation", "J", k_moment, "half the sum of m v^2"},
-    {"kinetic_rotation", "J", k_moment, "half the sum of I w^2"},
-    {"potential", "J", k_moment,
-     "of gravity, by height above the coordinate origin; along periodic axes minus its work since the start"},
-    {"elastic", "J", k_moment, "in the springs of all contacts"},
-    {"dissipated_damping", "J", k_sum, "by the dashpots of contacts; positive is lost"},
-    {"dissipated_friction", "J", k_sum, "by sliding; positive is lost"},
-    {"dissipated_background", "J", k_sum, "by [damping]; positive is lost"},
-    {"wall_work", "J", k_sum, "done by moving walls and driven grains on the others; positive is put in"},
-    {"inserted_energy", "J", k_sum, "kinetic and potential energy that sources, events and open sides brought in"},
-    {"balance_residual", "J", k_sum,
-     "kinetic + potential + elastic + dissipated - wall_work - inserted_energy, less its value at the start"},
-    {"wall.<wall>.force_{x,y,z}", "N", k_moment, "of all grains on the wall"},
-    {"wall.<wall>.torque_{x,y,z}", "N m", k_moment,
-     "of all grains on the wall where the scene has it, about the coordinate origin"},
-    {"plane.<plane>.particles", "-", k_sum, "passages of centres along the normal less those against it"},
-    {"plane.<plane>.mass", "kg", k_sum, "the same of their masses"},
-    {"plane.<plane>.particle_flow", "1/s", k_mean, "of plane.<plane>.particles since the row before"},
-    {"plane.<plane>.mass_flow", "kg/s", k_mean, "of plane.<plane>.mass since the row before"},
-    {"region.<region>.particles", "-", k_moment,
-     "grains, those partly inside by their share of volume inside; the same weight in all averages"},
-    {"region.<region>.solid_fraction", "-", k_moment, "volume of grains inside / volume of the region"},
-    {"region.<region>.velocity_{x,y,z}", "m/s", k_moment, "mean velocity of the grains, weighted by mass"},
-    {"region.<region>.granular_temperature", "m2/s2", k_moment,
-     "a third of the mean square of velocities about their mean, weighted by mass"},
-    {"region.<region>.coordination", "-", k_moment, "mean over grains of the column coordination of frames"},
-    {"region.<region>.stress_{xx,yy,zz,xy,xz,yz}", "Pa", k_moment,
-     "sum of the stress of grains times their volume inside / volume of the region"},
-};
-
-constexpr OutputColumn k_particles[] = {
-    {"id", "-", "", "number of the grain, in the order of its creation; never used again"},
-    {"velocity", "m/s", "", "half a step before the frame's time"},
-    {"radius", "m", "", "of the grain"},
-    {"diameter", "m", "", "twice the radius, for glyphs that want it"},
-    {"omega", "rad/s", "", "angular velocity; with friction only"},
-    {"material", "-", "", "number of the material, from 0; with several only"},
-    {"fixed", "-", "", "1 where the grain is held or driven; where groups or events can do so"},
-    {"coordination", "-", "", "contacts of the grain (output.coordination)"},
-    {"stress", "Pa", "", "XX YY ZZ XY YZ XZ, sum over contacts of force times branch / volume (output.stress)"},
-};
-
-constexpr OutputColumn k_contacts[] = {
-    {"particle_a", "-", "", "id of the grain on which the forces act"},
-    {"particle_b", "-", "", "id of the other grain; -1 - n for wall number n"},
-    {"normal_force", "N", "", "on particle_a, along the normal"},
-    {"tangential_force", "N", "", "on particle_a, across the normal"},
-    {"overlap", "m", "", "depth of the contact"},
-};
+template <class T>
+void add_rows(std::vector<OutputColumn>& rows, std::span<const SeriesQuantity<T>> table) {
+  for (const SeriesQuantity<T>& q : table) rows.push_back({std::string(q.name), q.unit, q.kind, q.doc});
+}
 
 bool is_digits(std::string_view s) {
   return !s.empty() && std::all_of(s.begin(), s.end(), [](char c) { return c >= '0' && c <= '9'; });
@@ -100,9 +45,35 @@ bool is_digits(std::string_view s) {
 }  // namespace
 
 std::span<const OutputFile> output_files() noexcept { return k_files; }
-std::span<const OutputColumn> series_columns() noexcept { return k_series; }
-std::span<const OutputColumn> frame_columns() noexcept { return k_particles; }
-std::span<const OutputColumn> contact_columns() noexcept { return k_contacts; }
+std::span<const OutputColumn> series_columns() {
+  static const std::vector<OutputColumn> rows = [] {
+    std::vector<OutputColumn> all;
+    add_rows(all, run_quantities());
+    add_rows(all, wall_quantities());
+    add_rows(all, plane_quantities());
+    for (const AverageQuantity& q : average_quantities()) all.push_back({pattern_of(q), q.unit, "moment", q.doc});
+    return all;
+  }();
+  return rows;
+}
+
+std::span<const OutputColumn> frame_columns() {
+  static const std::vector<OutputColumn> rows = [] {
+    std::vector<OutputColumn> all;
+    for (const ParticleQuantity& q : particle_quantities()) all.push_back({std::string(q.name), q.unit, "", q.doc});
+    return all;
+  }();
+  return rows;
+}
+
+std::span<const OutputColumn> contact_columns() {
+  static const std::vector<OutputColumn> rows = [] {
+    std::vector<OutputColumn> all;
+    for (const ContactQuantity& q : contact_quantities()) all.push_back({std::string(q.name), q.unit, "", q.doc});
+    return all;
+  }();
+  return rows;
+}
 
 bool fits(std::string_view pattern, std::string_view name) {
   if (pattern.empty()) return name.empty();

@@ -15,15 +15,16 @@ struct OutputFile {
   std::string_view name, key, doc;  ///< key: of the scene, that asks for it
 };
 struct OutputColumn {
-  std::string_view name, unit;
-  std::string_view kind;  ///< sum, mean or moment (core/io/series.hpp); "" for frames
+  std::string name;
+  std::string_view unit;
+  std::string_view kind;  ///< sum, mean or moment (core/io/series_columns.hpp); "" for frames
   std::string_view doc;   ///< with reference point and sign
 };
 
 std::span<const OutputFile> output_files() noexcept;
-std::span<const OutputColumn> series_columns() noexcept;
-std::span<const OutputColumn> frame_columns() noexcept;    ///< of particles
-std::span<const OutputColumn> contact_columns() noexcept;  ///< of contacts
+std::span<const OutputColumn> series_columns();
+std::span<const OutputColumn> frame_columns();    ///< of particles
+std::span<const OutputColumn> contact_columns();  ///< of contacts
 
 /// Does a name that was written fit a name of the tables?
 bool fits(std::string_view pattern, std::string_view name);

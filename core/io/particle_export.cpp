@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <iterator>
+#include <vector>
+
+#include "core/frame/quantities.hpp"
 
 namespace talus {
 namespace {
@@ -30,6 +33,21 @@ void put(Out out, Vec3 v, char separator) {
   fmt::format_to(out, "{}{}{}{}{}{}", separator, v.x, separator, v.y, separator, v.z);
 }
 
+/// An optional column of a table.
+struct Held {
+  std::size_t components;
+  ColumnValues values;
+};
+
+void put_row(Out out, const Held& column, std::size_t i) {
+  std::visit(
+      [&](const auto& v) {
+        // unary plus: small integers are numbers, not characters
+        for (std::size_t k = 0; k < column.components; ++k) fmt::format_to(out, ",{}", +v[column.components * i + k]);
+      },
+      column.values);
+}
+
 int material_of(const Frame& f, std::size_t i) { return f.material.empty() ? 0 : f.material[i]; }
 
 /// A species is one word.
@@ -46,10 +64,12 @@ std::string species(int material, std::span<const Material> materials) {
 
 std::string csv_text(const Frame& f) {
   std::string text = "id,x,y,z,radius,vx,vy,vz";
-  if (!f.w.empty()) text += ",wx,wy,wz";
-  if (!f.material.empty()) text += ",material";
-  if (!f.fixed.empty()) text += ",fixed";
-  if (!f.coordination.empty()) text += ",coordination";
+  std::vector<Held> held;
+  for (const ParticleQuantity& q : particle_quantities()) {
+    if (q.csv.empty() || !q.held(f)) continue;
+    text += "," + std::string(q.csv);
+    held.push_back({static_cast<std::size_t>(q.components), q.values(f)});
+  }
   text += '\n';
   const Out out(text);
   for (std::size_t i = 0; i < f.x.size(); ++i) {
@@ -57,10 +77,7 @@ std::string csv_text(const Frame& f) {
     put(out, f.x[i], ',');
     fmt::format_to(out, ",{}", f.r[i]);
     put(out, f.v[i], ',');
-    if (!f.w.empty()) put(out, f.w[i], ',');
-    if (!f.material.empty()) fmt::format_to(out, ",{}", static_cast<int>(f.material[i]));
-    if (!f.fixed.empty()) fmt::format_to(out, ",{}", static_cast<int>(f.fixed[i]));
-    if (!f.coordination.empty()) fmt::format_to(out, ",{}", f.coordination[i]);
+    for (const Held& column : held) put_row(out, column, i);
     text += '\n';
   }
   return text;

@@ -9,11 +9,12 @@
 #include <charconv>
 #include <cstring>
 #include <filesystem>
+#include <span>
 #include <utility>
 
 #include "core/base/error.hpp"
 #include "core/io/atomic_file.hpp"
-#include "core/scene/scene.hpp"
+#include "core/io/series_columns.hpp"
 
 namespace talus {
 
@@ -45,6 +46,9 @@ class Line {
     add(v.x);
     add(v.y);
     add(v.z);
+  }
+  void add(const SeriesValue& value) {
+    std::visit([this](const auto& v) { add(v); }, value);
   }
   std::string take() { return std::move(text_) + "\n"; }
 
@@ -83,8 +87,21 @@ bool parse(std::string_view s, T& out) {
   return r.ec == std::errc() && r.ptr == s.data() + s.size();
 }
 
-constexpr const char* k_axes = "xyz";
-constexpr const char* k_tensor[] = {"xx", "yy", "zz", "xy", "xz", "yz"};
+template <class T>
+void add_names(std::vector<std::string>& to, std::span<const SeriesQuantity<T>> table, const SeriesLayout& layout,
+               std::string_view name = "") {
+  for (const SeriesQuantity<T>& q : table) {
+    if (q.wanted != nullptr && !q.wanted(layout)) continue;
+    for (std::string& column : column_names(q.name, name)) to.push_back(std::move(column));
+  }
+}
+
+template <class T>
+void add_values(Line& line, std::span<const SeriesQuantity<T>> table, const SeriesLayout& layout,
+                const SeriesAt<T>& at) {
+  for (const SeriesQuantity<T>& q : table)
+    if (q.wanted == nullptr || q.wanted(layout)) line.add(q.value(at));
+}
 
 }  // namespace
 
@@ -95,44 +112,20 @@ SeriesLayout SeriesLayout::of(const Scene& scene, std::vector<std::string> walls
   l.rotation = scene.contact.friction;
   l.wall_contacts = !walls.empty();
   l.walls = std::move(walls);
-  l.region_stress = scene.output.stress;
-  l.region_coordination = scene.output.coordination;
+  l.averages = averages_of(scene);
   for (const auto& p : scene.output.flux_planes) l.planes.push_back(p.name);
   for (const auto& r : scene.output.regions) l.regions.push_back(r.name);
   return l;
 }
 
 std::vector<std::string> SeriesLayout::columns() const {
-  std::vector<std::string> c{"step", "time", "particles", "kinetic_energy", "contacts"};
-  if (wall_contacts) c.push_back("wall_contacts");
-  c.push_back("coordination_number");
-  if (inserted) c.push_back("inserted");
-  c.insert(c.end(), {"removed", "removed_mass", "mass_flow"});
-  if (energies) {
-    c.push_back("kinetic_translation");
-    if (rotation) c.push_back("kinetic_rotation");
-    c.insert(c.end(), {"potential", "elastic", "dissipated_damping"});
-    if (rotation) c.push_back("dissipated_friction");
-    c.insert(c.end(), {"dissipated_background", "wall_work", "inserted_energy", "balance_residual"});
-  }
-  const auto vector_of = [&](const std::string& base) {
-    for (int k = 0; k < 3; ++k) c.push_back(base + k_axes[k]);
-  };
-  for (const std::string& w : walls) {
-    vector_of("wall." + w + ".force_");
-    vector_of("wall." + w + ".torque_");
-  }
-  for (const std::string& p : planes)
-    for (const char* q : {".particles", ".mass", ".particle_flow", ".mass_flow"}) c.push_back("plane." + p + q);
-  for (const std::string& r : regions) {
-    const std::string base = "region." + r + ".";
-    c.insert(c.end(), {base + "particles", base + "solid_fraction"});
-    vector_of(base + "velocity_");
-    c.push_back(base + "granular_temperature");
-    if (region_coordination) c.push_back(base + "coordination");
-    if (region_stress)
-      for (const char* t : k_tensor) c.push_back(base + "stress_" + t);
-  }
+  std::vector<std::string> c;
+  add_names(c, run_quantities(), *this);
+  for (const std::string& w : walls) add_names(c, wall_quantities(), *this, w);
+  for (const std::string& p : planes) add_names(c, plane_quantities(), *this, p);
+  for (const std::string& r : regions)
+    for (const AverageQuantity* q : averages)
+      for (std::string& column : column_names(pattern_of(*q), r)) c.push_back(std::move(column));
   return c;
 }
 
@@ -184,7 +177,9 @@ SeriesWriter SeriesWriter::resume(const std::string& path, const SeriesLayout& l
       }
       throw Error(ErrorCode::io, "last row has no number for '" + name + "'", path, "delete that row, then resume");
     };
-    Previous p{number("time"), number("removed_mass"), {}};
+    SeriesRow p;
+    p.time = number("time");
+    p.removed_mass = number("removed_mass");
     for (const std::string& plane : layout.planes)
       p.planes.push_back(
           {static_cast<std::int64_t>(number("plane." + plane + ".particles")), 0, number("plane." + plane + ".mass")});
@@ -198,7 +193,7 @@ SeriesWriter SeriesWriter::resume(const std::string& path, const SeriesLayout& l
 }
 
 void SeriesWriter::start_from(const SeriesRow& row) {
-  if (last_step_ < 0) previous_ = Previous{row.time, row.removed_mass, row.planes};
+  if (last_step_ < 0) previous_ = row;
 }
 
 void SeriesWriter::append(const SeriesRow& row) {
@@ -210,53 +205,20 @@ void SeriesWriter::append(const SeriesRow& row) {
       row.regions.size() != layout_.regions.size())
     throw Error(ErrorCode::io, "row does not fit the columns (walls, planes or regions)", path_,
                 "request the wall loads from the simulation");
-  const double interval = previous_ ? row.time - previous_->time : 0;
-  const auto rate = [&](double now, double before) { return interval > 0 ? (now - before) / interval : 0.0; };
+  // In the first row nothing lies before: the interval is 0, and with it all means.
+  const SeriesRow& before = previous_ ? *previous_ : row;
+  const double interval = row.time - before.time;
   Line line;
-  line.add(row.step);
-  line.add(row.time);
-  line.add(row.particles);
-  line.add(row.kinetic_energy);
-  line.add(row.contacts);
-  if (layout_.wall_contacts) line.add(row.wall_contacts);
-  line.add(row.particles > 0 ? 2.0 * static_cast<double>(row.contacts) / static_cast<double>(row.particles) : 0.0);
-  if (layout_.inserted) line.add(row.inserted);
-  line.add(row.removed);
-  line.add(row.removed_mass);
-  line.add(previous_ ? rate(row.removed_mass, previous_->removed_mass) : 0.0);
-  if (layout_.energies) {
-    const Energies& e = row.energies;
-    line.add(e.kinetic_translation);
-    if (layout_.rotation) line.add(e.kinetic_rotation);
-    line.add(e.potential);
-    line.add(e.elastic);
-    line.add(e.dissipated_damping);
-    if (layout_.rotation) line.add(e.dissipated_friction);
-    line.add(e.dissipated_background);
-    line.add(e.wall_work);
-    line.add(e.inserted);
-    line.add(e.residual);
-  }
-  for (const WallLoad& w : row.walls) {
-    line.add(w.force);
-    line.add(w.torque);
-  }
-  for (std::size_t p = 0; p < row.planes.size(); ++p) {
-    const PlaneTotal before = previous_ ? previous_->planes[p] : PlaneTotal{};
-    line.add(row.planes[p].particles());
-    line.add(row.planes[p].mass);
-    line.add(rate(static_cast<double>(row.planes[p].particles()), static_cast<double>(before.particles())));
-    line.add(rate(row.planes[p].mass, before.mass));
-  }
-  for (const RegionAverage& r : row.regions) {
-    line.add(r.particles);
-    line.add(r.solid_fraction);
-    line.add(r.velocity);
-    line.add(r.temperature);
-    if (layout_.region_coordination) line.add(r.coordination);
-    if (layout_.region_stress)
-      for (double s : r.stress) line.add(s);
-  }
+  add_values(line, run_quantities(), layout_, {row, before, interval});
+  for (const WallLoad& w : row.walls) add_values(line, wall_quantities(), layout_, {w, w, interval});
+  for (std::size_t p = 0; p < row.planes.size(); ++p)
+    add_values(line, plane_quantities(), layout_, {row.planes[p], before.planes[p], interval});
+  for (const RegionAverage& r : row.regions)
+    for (const AverageQuantity* q : layout_.averages) {
+      double values[6];
+      q->value(r, values);
+      for (int k = 0; k < q->components; ++k) line.add(values[k]);
+    }
   const std::string text = line.take();
   file_.check();
   if (!write_fully(file_.fd(), text.data(), text.size())) {
@@ -271,7 +233,7 @@ void SeriesWriter::append(const SeriesRow& row) {
   file_.mark();
   size_ += text.size();
   last_step_ = row.step;
-  previous_ = Previous{row.time, row.removed_mass, row.planes};
+  previous_ = row;
 }
 
 void check_series(const std::string& path) {

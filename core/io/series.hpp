@@ -1,15 +1,7 @@
-// series.csv: one row of scalars per output time. Who calls it: cases/ (run). Which column is what:
-// - Sums over all steps since the start of the trajectory, whatever the times of the rows: inserted, removed,
-//   removed_mass, dissipated_*, wall_work, inserted_energy, balance_residual (a difference of such sums and of the
-//   energies of the moment), plane.*.particles, plane.*.mass.
-// - Means over the time since the row before, of these sums (0 in the first row): mass_flow, plane.*.particle_flow,
-//   plane.*.mass_flow.
-// - Values of the moment, which say nothing of what was between two rows: all others, also the loads on walls, contacts
-//   and region averages. Contacts, wall loads and energies are those of the last executed step (at step 0 there is
-//   none: zeros), positions and velocities those after it.
-// Invariants: the columns are decided once
-// by the scene; numbers are the shortest text that reads back to the same double; rows appear whole; a resumed run ends
-// with the bytes of the uninterrupted one (rates over an interval are taken from values in the file itself).
+// series.csv: one row of scalars per output time; which column is what stands in core/io/series_columns.cpp. Who calls
+// it: cases/ (run). Invariants: the columns are decided once by the scene; numbers are the shortest text that reads
+// back to the same double; rows appear whole; a resumed run ends with the bytes of the uninterrupted one (rates over an
+// interval are taken from values in the file itself).
 #pragma once
 
 #include <cstdint>
@@ -21,17 +13,15 @@
 #include "core/frame/frame.hpp"
 #include "core/frame/plane_count.hpp"
 #include "core/io/watched_file.hpp"
+#include "core/scene/scene.hpp"
 
 namespace talus {
 
-struct Scene;
-
-/// Which columns exist besides step, time, particles, kinetic_energy, contacts, coordination_number, removed,
-/// removed_mass, mass_flow.
+/// Which columns exist besides those that always do.
 struct SeriesLayout {
   bool inserted = false, wall_contacts = false, energies = false, rotation = false;
-  bool region_stress = false, region_coordination = false;
-  std::vector<std::string> walls, planes, regions;  ///< names
+  std::vector<const AverageQuantity*> averages = averages_of(Scene{});  ///< of each region
+  std::vector<std::string> walls, planes, regions;                      ///< names
   /// The layout of a scene; `walls` are all wall names in wall order (domain sides included).
   static SeriesLayout of(const Scene& scene, std::vector<std::string> walls);
   std::vector<std::string> columns() const;  ///< header, in order
@@ -71,16 +61,12 @@ class SeriesWriter {
 
  private:
   SeriesWriter() = default;
-  struct Previous {
-    double time = 0, removed_mass = 0;
-    std::vector<PlaneTotal> planes;
-  };
   std::string path_;
   SeriesLayout layout_;
   WatchedFile file_;
   std::uint64_t size_ = 0;  ///< bytes of whole rows
   std::int64_t last_step_ = -1;
-  std::optional<Previous> previous_;
+  std::optional<SeriesRow> previous_;  ///< what the means need of it
 };
 
 /// Error{io} if a series is damaged: no header, a row with another number of entries, an entry that is no number, a

@@ -94,18 +94,6 @@ struct VtkHdfWriter::Impl {
     return particle_poly(frame, columns);
   }
 
-  static hid_t native_type(const PolyColumn& c) {
-    switch (c.values.index()) {
-      case 0:
-        return H5T_NATIVE_DOUBLE;
-      case 1:
-        return H5T_NATIVE_INT64;
-      case 2:
-        return H5T_NATIVE_INT32;
-      default:
-        return H5T_NATIVE_UINT8;
-    }
-  }
   static hid_t file_type(hid_t native) {
     if (H5Tequal(native, H5T_NATIVE_DOUBLE) > 0) return H5T_IEEE_F64LE;
     if (H5Tequal(native, H5T_NATIVE_INT64) > 0) return H5T_STD_I64LE;
@@ -233,8 +221,8 @@ struct VtkHdfWriter::Impl {
       offsets.resize(columns_of.size());
       for (std::size_t c = 0; c < columns_of.size(); ++c) {
         const PolyColumn& col = columns_of[c];
-        dataset(data[c], root + place + "/" + col.name, native_type(col), static_cast<hsize_t>(col.components), false,
-                create, k_chunk_rows);
+        dataset(data[c], root + place + "/" + col.name, native_type(col.values), static_cast<hsize_t>(col.components),
+                false, create, k_chunk_rows);
         per_frame(offsets[c], steps + place + "Offsets/" + col.name);
       }
       Handle g(check(H5Gopen2(file, (root + place).c_str(), H5P_DEFAULT), "open a group"));

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/frame/frame.hpp"
-#include "core/io/poly_data.hpp"
+#include "core/frame/quantities.hpp"
 
 namespace talus {
 

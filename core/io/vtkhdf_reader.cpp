@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/frame/quantities.hpp"
 #include "core/io/hdf5_handle.hpp"
 #include "core/io/vtkhdf.hpp"
 
@@ -70,30 +71,19 @@ Frame VtkHdfReader::frame(std::size_t k) const {
   Frame f;
   f.step = m.steps[k].step;
   f.time = m.steps[k].time;
-  f.id = m.read<std::int64_t>("/VTKHDF/PointData/id", H5T_NATIVE_INT64, from, n, 1);
-  f.r = m.read<double>("/VTKHDF/PointData/radius", H5T_NATIVE_DOUBLE, from, n, 1);
-  const auto vectors = [&](const char* name) {
-    const auto values = m.read<double>(name, H5T_NATIVE_DOUBLE, from, n, 3);
-    std::vector<Vec3> out(n);
-    for (std::size_t i = 0; i < n; ++i) out[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-    return out;
-  };
-  f.x = vectors("/VTKHDF/Points");
-  f.v = vectors("/VTKHDF/PointData/velocity");
-  const auto has = [&](const char* name) { return H5Lexists(m.file, name, H5P_DEFAULT) > 0; };
-  if (has("/VTKHDF/PointData/omega")) f.w = vectors("/VTKHDF/PointData/omega");
-  if (has("/VTKHDF/PointData/material"))
-    f.material = m.read<std::uint8_t>("/VTKHDF/PointData/material", H5T_NATIVE_UINT8, from, n, 1);
-  if (has("/VTKHDF/PointData/fixed"))
-    f.fixed = m.read<std::uint8_t>("/VTKHDF/PointData/fixed", H5T_NATIVE_UINT8, from, n, 1);
-  if (has("/VTKHDF/PointData/coordination"))
-    f.coordination = m.read<std::int32_t>("/VTKHDF/PointData/coordination", H5T_NATIVE_INT32, from, n, 1);
-  if (has("/VTKHDF/PointData/stress")) {
-    const auto s = m.read<double>("/VTKHDF/PointData/stress", H5T_NATIVE_DOUBLE, from, n, 6);
-    f.stress.resize(n);
-    // VTK's order XX YY ZZ XY YZ XZ back to that of a frame
-    for (std::size_t i = 0; i < n; ++i)
-      f.stress[i] = {s[6 * i], s[6 * i + 1], s[6 * i + 2], s[6 * i + 3], s[6 * i + 5], s[6 * i + 4]};
+  f.x = vectors_of(m.read<double>("/VTKHDF/Points", H5T_NATIVE_DOUBLE, from, n, 3));
+  for (const ParticleQuantity& q : particle_quantities()) {
+    const std::string name = "/VTKHDF/PointData/" + std::string(q.name);
+    if (q.take == nullptr || (q.wanted != nullptr && H5Lexists(m.file, name.c_str(), H5P_DEFAULT) <= 0)) continue;
+    ColumnValues values = q.values(Frame{});  // none, of the right type
+    const hid_t memory = native_type(values);
+    std::visit(
+        [&](auto& v) {
+          using T = typename std::remove_reference_t<decltype(v)>::value_type;
+          v = m.read<T>(name, memory, from, n, static_cast<hsize_t>(q.components));
+        },
+        values);
+    q.take(f, std::move(values));
   }
   return f;
 }

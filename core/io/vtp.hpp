@@ -8,19 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "core/io/poly_data.hpp"
+#include "core/frame/columns.hpp"
 
 namespace talus {
 
 /// Writes one .vtp file of the frame at `time` [s]. Error{io}.
 void write_vtp(const std::string& path, const PolyData& data, double time);
 
-/// Regular grid of cells with columns per cell (x fastest).
-struct GridData {
-  Vec3 lower, spacing;  ///< [m]
-  std::array<int, 3> cells{1, 1, 1};
-  std::vector<PolyColumn> cell_data;
-};
 /// Writes one .vti file of the grid at `time` [s]. Error{io}.
 void write_vti(const std::string& path, const GridData& data, double time);
 

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "core/base/error.hpp"
+#include "core/frame/quantities.hpp"
 #include "core/io/atomic_file.hpp"
 
 namespace talus {
@@ -93,12 +94,6 @@ class VtpFile {
     if (bytes != 0) std::memcpy(values.data(), bytes_.data() + begin_ + offset + sizeof stated, bytes);
     return values;
   }
-  std::vector<Vec3> vectors(std::string_view name) const {
-    const std::vector<double> flat = column<double>(name, 3);
-    std::vector<Vec3> out(points_);
-    for (std::size_t i = 0; i < points_; ++i) out[i] = {flat[3 * i], flat[3 * i + 1], flat[3 * i + 2]};
-    return out;
-  }
 
  private:
   std::string_view element(std::string_view begin) const {
@@ -127,20 +122,17 @@ Frame read_vtp(const std::string& path) {
   Frame f;
   f.step = step_of_name(path);
   f.time = file.time();
-  f.id = file.column<std::int64_t>("id", 1);
-  f.x = file.vectors("Points");
-  f.v = file.vectors("velocity");
-  f.r = file.column<double>("radius", 1);
-  if (file.has("omega")) f.w = file.vectors("omega");
-  if (file.has("material")) f.material = file.column<std::uint8_t>("material", 1);
-  if (file.has("fixed")) f.fixed = file.column<std::uint8_t>("fixed", 1);
-  if (file.has("coordination")) f.coordination = file.column<std::int32_t>("coordination", 1);
-  if (file.has("stress")) {
-    const std::vector<double> s = file.column<double>("stress", 6);
-    f.stress.resize(file.points());
-    // VTK's order XX YY ZZ XY YZ XZ back to that of a frame
-    for (std::size_t i = 0; i < f.stress.size(); ++i)
-      f.stress[i] = {s[6 * i], s[6 * i + 1], s[6 * i + 2], s[6 * i + 3], s[6 * i + 5], s[6 * i + 4]};
+  f.x = vectors_of(file.column<double>("Points", 3));
+  for (const ParticleQuantity& q : particle_quantities()) {
+    if (q.take == nullptr || (q.wanted != nullptr && !file.has(q.name))) continue;
+    ColumnValues values = q.values(Frame{});  // none, of the right type
+    std::visit(
+        [&](auto& v) {
+          using T = typename std::remove_reference_t<decltype(v)>::value_type;
+          v = file.column<T>(q.name, static_cast<std::size_t>(q.components));
+        },
+        values);
+    q.take(f, std::move(values));
   }
   return f;
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/det_math.hpp"
+#include "core/grains/body.hpp"
 #include "core/rules/adhesion.hpp"
 #include "core/rules/restitution.hpp"
 
@@ -45,13 +46,14 @@ struct Pair {
 };
 
 Pair pair_of(const Scene& scene, const ContactCase& c) {
-  const double m_a = sphere_mass(scene.materials[static_cast<std::size_t>(c.a)], c.r_a);
-  const double inertia_a = 0.4 * m_a * (c.r_a * c.r_a);
+  const Body a{c.r_a, scene.materials[static_cast<std::size_t>(c.a)].density};
+  const double m_a = a.mass(), inertia_a = a.inertia();
   if (c.wall()) return {m_a, c.r_a, 1 / inertia_a};
   const double r = c.r_a * c.r_b / (c.r_a + c.r_b);
   if (c.fixed_b) return {m_a, r, 1 / inertia_a};
-  const double m_b = sphere_mass(scene.materials[static_cast<std::size_t>(c.b)], c.r_b);
-  return {m_a / (m_a + m_b) * m_b, r, 1 / inertia_a + 1 / (0.4 * m_b * (c.r_b * c.r_b))};
+  const Body b{c.r_b, scene.materials[static_cast<std::size_t>(c.b)].density};
+  const double m_b = b.mass();
+  return {m_a / (m_a + m_b) * m_b, r, 1 / inertia_a + 1 / b.inertia()};
 }
 
 ContactDynamics linear_dynamics(const Scene& scene, const PairCoefficients& k, const Pair& p) {
@@ -133,8 +135,6 @@ double tangential_term(const Scene& scene, double omega2, double rate, double dt
 }
 
 }  // namespace
-
-double sphere_mass(const Material& m, double r) { return m.density * (4.0 / 3.0 * det::k_pi) * (r * r * r); }
 
 double rayleigh_time(const Material& m, double r) {
   if (!(m.young > 0)) return k_never;

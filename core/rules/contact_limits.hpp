@@ -45,7 +45,4 @@ double effective_stiffness(const Scene& scene, const ContactDynamics& c, double 
 /// pi r sqrt(rho / G) / (0.1631 nu + 0.8766) [s]; infinite without Young's modulus.
 double rayleigh_time(const Material& m, double r);
 
-/// [kg]
-double sphere_mass(const Material& m, double r);
-
 }  // namespace talus

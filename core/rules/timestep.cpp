@@ -9,6 +9,7 @@
 
 #include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
+#include "core/grains/body.hpp"
 #include "core/rules/contact_limits.hpp"
 
 namespace talus {
@@ -301,7 +302,7 @@ Softening softening(const Scene& scene, const Population& grains, double speed) 
   for (const GrainKind& kind : grains.kinds) {
     if (kind.fixed) continue;
     const Material& material = scene.materials[static_cast<std::size_t>(kind.material)];
-    const double r = kind.largest[0], m = sphere_mass(material, r);
+    const double r = kind.largest[0], m = Body{r, material.density}.mass();
     const double load = bed_pressure(scene, material.density) * (4 * r * r);
     s.load = fmax2(s.load, load);
     if (linear) {

@@ -11,42 +11,31 @@
 #include <string>
 #include <vector>
 
+#include "core/base/box.hpp"
 #include "core/base/types.hpp"
+#include "core/base/words.hpp"
 
 namespace talus {
 
 inline constexpr double k_never = std::numeric_limits<double>::infinity();
 
-enum class Boundary : std::uint8_t { periodic, open, wall };
-enum class ContactModel : std::uint8_t { linear, hertz_mindlin, hertz_tsuji, jkr };
-enum class Rolling : std::uint8_t { none, cdt, epsd };
-enum class Cohesion : std::uint8_t { none, sjkr };
+TALUS_WORDS(Boundary, periodic, open, wall)
+TALUS_WORDS(ContactModel, linear, hertz_mindlin, hertz_tsuji, jkr)
+TALUS_WORDS(Rolling, none, cdt, epsd)
+TALUS_WORDS(Cohesion, none, sjkr)
 /// Velocity in the dashpot: that at n with the forces of all contacts, that at n with the force of the pair alone, that
 /// at n-1/2 (kernels/models/linear.hpp).
-enum class Dashpot : std::uint8_t { centred, pairwise, lagged };
-enum class Lever : std::uint8_t { contact, radius };
-enum class Sliding : std::uint8_t { series, balanced };
+TALUS_WORDS(Dashpot, centred, pairwise, lagged)
+TALUS_WORDS(Lever, contact, radius)
+TALUS_WORDS(Sliding, series, balanced)
 /// Normal force in Coulomb's limit: its elastic part, or all of it where it pushes.
-enum class FrictionLimit : std::uint8_t { elastic, total };
-enum class Integrator : std::uint8_t { velocity_verlet, leapfrog };
+TALUS_WORDS(FrictionLimit, elastic, total)
+TALUS_WORDS(Integrator, velocity_verlet, leapfrog)
 /// exact: the same bits on every instruction set. fast: fused multiply-add and estimated reciprocals; the bits depend
 /// on the instruction set and on whether energies are summed (another kernel, fused otherwise), on nothing else.
-enum class Precision : std::uint8_t { exact, fast };
-enum class ListPolicy : std::uint8_t {
-  always,
-  paper,
-  local,
-  uniform,
-  two_largest,
-  accumulated,
-  global_velocity,
-  neighbourhood,
-  mean_subtracted,
-  velocity_profile,
-  displacement_history,
-  outer_inner,
-  fixed
-};
+TALUS_WORDS(Precision, exact, fast)
+TALUS_WORDS(ListPolicy, always, paper, local, uniform, two_largest, accumulated, global_velocity, neighbourhood,
+            mean_subtracted, velocity_profile, displacement_history, outer_inner, fixed)
 enum class Isa : std::uint8_t { automatic, scalar, sse2, avx2, avx512 };
 
 /// Computational box [m]; a periodic axis has both sides periodic.
@@ -56,6 +45,7 @@ struct Domain {
       {{Boundary::wall, Boundary::wall}, {Boundary::wall, Boundary::wall}, {Boundary::wall, Boundary::wall}}};
   int wall_material = 0;
   bool periodic(int axis) const noexcept { return boundary[axis][0] == Boundary::periodic; }
+  Box box() const noexcept { return {upper - lower, {periodic(0), periodic(1), periodic(2)}}; }
 };
 
 struct Material {
@@ -100,7 +90,8 @@ struct ContactLaw {
 
 /// Size distribution of spheres, always stated in diameters [m].
 struct SizeDistribution {
-  enum class Kind : std::uint8_t { constant, uniform, normal, lognormal, sieve } kind = Kind::constant;
+  TALUS_MEMBER_WORDS(Kind, constant, uniform, normal, lognormal, sieve)
+  Kind kind = Kind::constant;
   bool by_mass = false;              ///< weights count mass, not number
   double diameter = 0;               ///< constant
   double min = 0, max = 0;           ///< uniform; truncation of normal and lognormal
@@ -117,7 +108,7 @@ class ClosedSurface;
 /// the box or, where radius > 0, the upright cylinder about its middle. cylinder: of the radius about the line from
 /// `point` to `point + length * axis`. sphere: of the radius about `point`. mesh: what the surface encloses.
 struct Region {
-  enum class Shape : std::uint8_t { box, cylinder, sphere, mesh };
+  TALUS_MEMBER_WORDS(Shape, box, cylinder, sphere, mesh)
   Vec3 lower, upper;  ///< bounds of every shape
   double radius = 0;
   Shape shape = Shape::box;
@@ -132,7 +123,8 @@ struct Region {
 /// Source of particles. file: at step 0. lattice/random: once at time `start`. stream: batches every `interval` from
 /// start to end, number or mass rate given. Batches are non-overlapping with everything present.
 struct Source {
-  enum class Kind : std::uint8_t { file, lattice, random, stream } kind = Kind::random;
+  TALUS_MEMBER_WORDS(Kind, file, lattice, random, stream)
+  Kind kind = Kind::random;
   std::string name;
   std::string file;                  ///< CSV (optionally .gz) or LAMMPS data file
   std::array<int, 3> tile{1, 1, 1};  ///< the file fills the first of so many equal parts of the domain and is repeated
@@ -146,15 +138,17 @@ struct Source {
   double number_rate = 0, mass_rate = 0;  ///< stream [1/s], [kg/s]
   double interval = 0;                    ///< stream: time between batches [s]
   double spacing = 1.05;                  ///< lattice: pitch / largest diameter
-  enum class Lattice : std::uint8_t { hexagonal, cubic } lattice = Lattice::hexagonal;
+  TALUS_MEMBER_WORDS(Lattice, hexagonal, cubic)
+  Lattice lattice = Lattice::hexagonal;
   double start = 0, end = k_never;  ///< [s]
   int group = -1;                   ///< index into groups, or -1
   bool allow_wall_overlap = false;  ///< grains may be placed into walls
   /// Where grains go with respect to closed walls (boxes and watertight meshes).
-  enum class ClosedWalls : std::uint8_t { both, outside, inside } closed_walls = ClosedWalls::both;
+  TALUS_MEMBER_WORDS(ClosedWalls, both, outside, inside)
+  ClosedWalls closed_walls = ClosedWalls::both;
 };
 
-enum class WallShape : std::uint8_t { plane, cylinder, cone, box, mesh };
+TALUS_WORDS(WallShape, plane, cylinder, cone, box, mesh)
 
 /// Rigid motion of a wall within [start, end): velocity, rotation about `origin`, sinusoidal vibration. The pose is a
 /// function of the step number, never accumulated (DESIGN I4).
@@ -201,7 +195,8 @@ struct GroupSpec {
 
 /// Action at a time, executed before the drift of step round(time/step).
 struct Event {
-  enum class Action : std::uint8_t { freeze, release, set_velocity, remove, gravity, drive } action = Action::freeze;
+  TALUS_MEMBER_WORDS(Action, freeze, release, set_velocity, remove, gravity, drive)
+  Action action = Action::freeze;
   double time = 0;
   int group = -1;
   Vec3 vector;  ///< set_velocity, drive [m/s]; gravity [m/s2]

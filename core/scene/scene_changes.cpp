@@ -9,79 +9,17 @@
 #include <stdexcept>
 
 #include "core/base/det_math.hpp"
+#include "core/scene/key.hpp"
 #include "core/scene/scene_file.hpp"
-#include "core/scene/scene_keys.hpp"
 
 namespace talus {
 namespace {
 
-struct KeyRow {
-  std::string_view section, name;  ///< name "": all other keys of the section
-  ResumeRule rule;
-};
-
-constexpr auto k_free = AtResume::free;
-constexpr auto k_acts = AtResume::physics;
-constexpr auto k_fixed = AtResume::fixed;
-constexpr std::string_view k_history = "it decides what the stored contact history means";
-constexpr std::string_view k_delivered = "the source has begun under it";
-constexpr std::string_view k_index = "the state refers to it by its place in the scene";
-
-constexpr KeyRow k_rows[] = {
-    {"", "title", {k_free, ""}},
-    {"", "seed", {k_fixed, "the sources draw from it"}},
-    {"", "gravity", {k_fixed, "it is part of the state; add an [[event]] with action = \"gravity\""}},
-    {"", "integrator", {k_fixed, "it decides at which time the stored velocities hold"}},
-    {"", "", {k_acts, ""}},
-    {"domain", "wall_material", {k_acts, ""}},
-    {"domain", "", {k_fixed, "the stored positions are relative to this box"}},
-    {"time", "step", {k_fixed, "the stored velocities are half a step behind, and times count in steps"}},
-    {"time", "", {k_free, ""}},
-    {"damping", "", {k_acts, ""}},
-    {"material", "name", {k_fixed, k_index}},
-    {"material", "density", {k_fixed, "the stored masses follow from it"}},
-    {"material", "", {k_acts, ""}},
-    {"contact", "model", {k_fixed, k_history}},
-    {"contact", "dashpot", {k_fixed, k_history}},
-    {"contact", "onset_correction", {k_fixed, k_history}},
-    {"contact", "synchronised", {k_fixed, k_history}},
-    {"contact", "sliding", {k_fixed, k_history}},
-    {"contact", "rolling", {k_fixed, k_history}},
-    {"contact", "cohesion", {k_fixed, k_history}},
-    {"contact", "", {k_acts, ""}},
-    {"pair", "", {k_acts, ""}},
-    {"source", "name", {k_free, ""}},
-    {"source", "number", {k_acts, ""}},
-    {"source", "mass", {k_acts, ""}},
-    {"source", "number_rate", {k_acts, ""}},
-    {"source", "mass_rate", {k_acts, ""}},
-    {"source", "end", {k_acts, ""}},
-    {"source", "velocity", {k_acts, ""}},
-    {"source", "velocity_jitter", {k_acts, ""}},
-    {"source", "", {k_fixed, k_delivered}},
-    {"source.region", "", {k_acts, ""}},
-    {"source.size", "", {k_fixed, "the grains that are there have sizes of it"}},
-    {"wall", "", {k_acts, ""}},
-    {"wall.motion", "", {k_acts, ""}},
-    {"group", "name", {k_fixed, k_index}},
-    {"group", "fixed_in_file", {k_fixed, "it was decided at step 0"}},
-    {"group", "", {k_acts, ""}},
-    {"group.region", "", {k_acts, ""}},
-    {"event", "", {k_acts, ""}},
-    {"list", "", {k_free, ""}},
-    {"output", "energies", {k_acts, ""}},  // off -> on is refused below: not known to the record otherwise
-    {"output", "", {k_free, ""}},
-    {"output.plane", "", {k_fixed, "its counts are part of the state"}},
-    {"output.region", "", {k_free, ""}},
-    {"checks", "", {k_free, ""}},
-    {"relax", "", {k_fixed, "the run has begun under it"}},
-};
-
 /// The value of a key that is not given: its default, if that is a value, else words.
 std::string default_value(const std::string& section, const std::string& name) {
   const SceneKey* key = find_scene_key(section, name);
-  if (key == nullptr || key->fallback == "required") return "(none)";
-  return std::string(key->fallback);
+  if (key == nullptr || key->required()) return "(none)";
+  return key->fallback;
 }
 
 /// Equal values may be written differently in the table of defaults and in a scene.
@@ -123,16 +61,15 @@ class Judge {
     const std::string& section = value.section;
     const ResumeRule table = resume_rule(section, value.name);
     if (value.name == "friction" && before_.contact.friction != after_.contact.friction)
-      return {k_fixed, "with or without friction, the state has other columns"};
+      return fixed_by("with or without friction, the state has other columns");
     if (value.name == "twisting_friction" && before_.contact.twisting != after_.contact.twisting)
-      return {k_fixed, "with or without twisting resistance, the state has other columns"};
-    if ((section == "source" || section == "source.region") && table.rule == k_acts && !stream(value))
-      return {k_fixed, "only a stream can deliver differently from now on"};
-    if (section == "event" && past_differs_) return {k_fixed, "an event that has happened cannot be changed"};
+      return fixed_by("with or without twisting resistance, the state has other columns");
+    if ((section == "source" || section == "source.region") && table.rule == AtResume::physics && !stream(value))
+      return fixed_by("only a stream can deliver differently from now on");
+    if (section == "event" && past_differs_) return fixed_by("an event that has happened cannot be changed");
     if (section == "output" && value.name == "energies")
-      return after_.output.energies ? ResumeRule{k_fixed, "the balance has to begin with the run"}
-                                    : ResumeRule{k_free, ""};
-    if (section == "output.plane" && before_.output.flux_planes.empty()) return {k_free, ""};
+      return after_.output.energies ? fixed_by("the balance has to begin with the run") : k_free;
+    if (section == "output.plane" && before_.output.flux_planes.empty()) return k_free;
     return table;
   }
 
@@ -178,14 +115,10 @@ bool same_shape(const WallSpec& a, const WallSpec& b) {
 }  // namespace
 
 ResumeRule resume_rule(std::string_view section, std::string_view name) {
-  const KeyRow* general = nullptr;
-  for (const KeyRow& row : k_rows) {
-    if (row.section != section) continue;
-    if (row.name == name) return row.rule;
-    if (row.name.empty()) general = &row;
-  }
-  if (general == nullptr) throw std::logic_error("no rule for a resume: section " + std::string(section));
-  return general->rule;
+  const SceneKey* key = find_scene_key(section, name);
+  if (key == nullptr)
+    throw std::logic_error("no such key of a scene: " + std::string(section) + "." + std::string(name));
+  return key->resume;
 }
 
 SceneText read_scene_text(std::string_view text, const std::string& name, const std::string& directory,

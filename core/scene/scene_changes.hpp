@@ -1,6 +1,6 @@
 // What a resumed run may change in its scene: the rules per key, the comparison of two scenes, and the record of a
-// scene that a checkpoint carries. Who calls it: cases/ (run --resume). Invariants: every section of the key table has
-// a rule (tested); a key is refused where the stored state would mean something else under the new value.
+// scene that a checkpoint carries. Who calls it: cases/ (run --resume). Invariant: a key is refused where the stored
+// state would mean something else under the new value.
 #pragma once
 
 #include <cstdint>
@@ -10,22 +10,12 @@
 #include <vector>
 
 #include "core/scene/scene.hpp"
+#include "core/scene/scene_keys.hpp"
 #include "core/scene/scene_table.hpp"
 
 namespace talus {
 
-enum class AtResume {
-  free,     ///< outside the trajectory: outputs, list, length of the run
-  physics,  ///< acts from the resumed step on
-  fixed     ///< the state depends on it: refused
-};
-
-/// The rule of a key and, where it is fixed, the reason.
-struct ResumeRule {
-  AtResume rule;
-  std::string_view why;
-};
-/// Throws std::logic_error for a section without a rule.
+/// The rule of a key, which stands in its line. Throws std::logic_error for a key that is none.
 ResumeRule resume_rule(std::string_view section, std::string_view name);
 
 /// A scene with the values that its text gives.

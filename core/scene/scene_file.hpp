@@ -1,5 +1,5 @@
 // Scene files: TOML text -> validated Scene. Who calls it: cases/ (every command), tests. Invariants: every key, type
-// and range comes from core/io/scene_keys; an unknown, wrong or contradictory key never passes silently.
+// and range comes from core/scene/sections; an unknown, wrong or contradictory key never passes silently.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
-// The one table of all scene keys. The parser takes names, types, ranges and defaults from it, the help prints it, so
-// the two cannot disagree. Who calls it: core/scene/scene_file.cpp, cases/ (talus help scene), tests (every example
+// What a key of a scene is, in words: the parser takes names, types, ranges and defaults from it, the help and the
+// reference print it, suggestions and the rules of a resume follow from it. The keys themselves stand in
+// core/scene/sections, one line each. Who calls it: core/scene, cases/ (talus help scene), tests (every example
 // parses). Invariants: rows of one section are contiguous; every key has a one-line text and an example.
 #pragma once
 
@@ -28,18 +29,47 @@ enum class KeyType {
   boundary    ///< one of the choices; or 3 entries, each a choice or a pair of choices
 };
 
+/// What a resumed run may do with a key.
+enum class AtResume {
+  free,     ///< outside the trajectory: outputs, list, length of the run
+  physics,  ///< acts from the resumed step on
+  fixed     ///< the state depends on it: refused
+};
+struct ResumeRule {
+  AtResume rule = AtResume::physics;
+  std::string_view why{};  ///< of a refusal
+};
+
+/// Word of other codes or of everyday language for a key.
+struct KeyAlias {
+  std::string_view word;
+  std::string_view within{};  ///< counts only below this section; "" anywhere
+  std::string_view remark{};
+  constexpr KeyAlias(const char* w, std::string_view below = {}, std::string_view said = {})
+      : word(w), within(below), remark(said) {}
+};
+
 struct SceneKey {
-  std::string_view section;  ///< "" = top of the file; "source.size" = table inside [[source]]
+  std::string_view section{};  ///< "" = top of the file; "source.size" = table inside [[source]]
   std::string_view name;
-  KeyType type;
-  std::string_view unit;     ///< "" = not a quantity, "-" = dimensionless
+  KeyType type = KeyType::text;
+  std::string_view unit{};   ///< "" = not a quantity, "-" = dimensionless
   double low = 0, high = 0;  ///< range of each number, ends included unless low_open
   bool low_open = false;
-  std::string_view choices;   ///< "a|b|c"
-  std::string_view fallback;  ///< default as TOML; "required"; or "(text)": derived or absent
-  std::string_view only;      ///< "kind=lattice|random": has a meaning only where that sibling key has such a value
-  std::string_view doc;       ///< one line
-  std::string_view example;   ///< value in TOML syntax
+  std::string_view choices{};  ///< "a, b, c"
+  std::string fallback{};      ///< default as TOML; "required"; or "(text)": derived or absent
+  std::string_view only{};     ///< "kind=lattice|random": has a meaning only where that sibling key has such a value
+  std::string_view needed{};   ///< "box|mesh": required where the key that decides has such a value
+  std::string_view doc;        ///< one line
+  std::string_view example;    ///< value in TOML syntax
+  ResumeRule resume{};
+  std::vector<KeyAlias> also{};
+  std::string_view usual_for{};  ///< examples of other keys give this one where the key that decides has this value ...
+  std::string_view instead{};    ///< ... unless they are about this key, which takes its place
+  std::string_view with{};       ///< lines of [contact] that make an example of the key complete
+
+  bool required() const noexcept { return fallback == "required"; }
+  bool has_default() const noexcept { return !required() && !fallback.starts_with('('); }
 };
 
 struct SceneSection {
@@ -48,11 +78,23 @@ struct SceneSection {
   std::string_view doc;
 };
 
-std::span<const SceneKey> scene_keys() noexcept;
-std::span<const SceneSection> scene_sections() noexcept;
+std::span<const SceneKey> scene_keys();
+std::span<const SceneSection> scene_sections();
 /// The row of section.name, or nullptr.
-const SceneKey* find_scene_key(std::string_view section, std::string_view name) noexcept;
-const SceneSection* find_scene_section(std::string_view name) noexcept;
+const SceneKey* find_scene_key(std::string_view section, std::string_view name);
+const SceneSection* find_scene_section(std::string_view name);
+
+/// The parts of "a, b, c" or "a|b|c".
+std::vector<std::string_view> split_words(std::string_view words, std::string_view separator);
+/// "kind=lattice|random" in its parts; no key: it always holds.
+struct KeyCondition {
+  std::string_view key{};
+  std::vector<std::string_view> values{};
+  std::string text() const;  ///< "lattice, random"
+  bool holds(std::string_view value) const;
+};
+KeyCondition condition_of(std::string_view only);
+std::string header_text(const SceneSection& section);  ///< "[[wall]]"
 
 /// "section.name" (or "name" at the top of the file).
 std::string full_name(const SceneKey& key);

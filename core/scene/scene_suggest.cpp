@@ -12,116 +12,6 @@
 namespace talus {
 namespace {
 
-/// Words of other codes and of everyday language. `within`: counts only below this section ("" anywhere).
-struct Alias {
-  std::string_view word, within, section, name, remark;
-};
-constexpr std::string_view k_diameter = "sizes are diameters";
-
-constexpr Alias k_aliases[] = {
-    {"radius", "source", "source.size", "diameter", k_diameter},
-    {"radius", "size", "source.size", "diameter", k_diameter},
-    {"radius", "", "source.size", "diameter", k_diameter},
-    {"particle_radius", "", "source.size", "diameter", k_diameter},
-    {"min_radius", "", "source.size", "min", k_diameter},
-    {"max_radius", "", "source.size", "max", k_diameter},
-    {"d", "", "source.size", "diameter", ""},
-    {"particle_diameter", "", "source.size", "diameter", ""},
-    {"sigma", "size", "source.size", "stddev", ""},
-    {"std", "size", "source.size", "stddev", ""},
-    {"mu", "", "contact", "friction", ""},
-    {"coulomb", "", "contact", "friction", ""},
-    {"cof", "", "contact", "friction", ""},
-    {"friction_coefficient", "", "contact", "friction", ""},
-    {"sliding_friction", "", "contact", "friction", ""},
-    {"static_friction", "", "contact", "friction", ""},
-    {"e", "", "contact", "restitution", ""},
-    {"cor", "", "contact", "restitution", ""},
-    {"coefficient_of_restitution", "", "contact", "restitution", ""},
-    {"en", "", "contact", "restitution", ""},
-    {"kn", "", "contact", "normal_stiffness", ""},
-    {"k_n", "", "contact", "normal_stiffness", ""},
-    {"stiffness", "", "contact", "normal_stiffness", ""},
-    {"spring", "", "contact", "normal_stiffness", ""},
-    {"kt", "", "contact", "tangential_stiffness", ""},
-    {"k_t", "", "contact", "tangential_stiffness", ""},
-    {"shear_stiffness", "", "contact", "tangential_stiffness", ""},
-    {"gamma_n", "", "contact", "normal_damping", ""},
-    {"gamman", "", "contact", "normal_damping", ""},
-    {"damping", "contact", "contact", "normal_damping", ""},
-    {"gamma_t", "", "contact", "tangential_damping", ""},
-    {"gammat", "", "contact", "tangential_damping", ""},
-    {"law", "", "contact", "model", ""},
-    {"mu_r", "", "contact", "rolling_friction", ""},
-    {"rolling_resistance", "", "contact", "rolling_friction", ""},
-    {"mu_t", "", "contact", "twisting_friction", ""},
-    {"g", "", "", "gravity", ""},
-    {"gravity_vector", "", "", "gravity", ""},
-    {"random_seed", "", "", "seed", ""},
-    {"dt", "", "time", "step", ""},
-    {"timestep", "", "time", "step", ""},
-    {"time_step", "", "time", "step", ""},
-    {"delta_t", "", "time", "step", ""},
-    {"nsteps", "", "time", "steps", ""},
-    {"num_steps", "", "time", "steps", ""},
-    {"number_of_steps", "", "time", "steps", ""},
-    {"end_time", "", "time", "duration", ""},
-    {"t_end", "", "time", "duration", ""},
-    {"total_time", "", "time", "duration", ""},
-    {"simulation_time", "", "time", "duration", ""},
-    {"rho", "", "material", "density", ""},
-    {"e_modulus", "", "material", "young", ""},
-    {"elastic_modulus", "", "material", "young", ""},
-    {"youngs_modulus", "", "material", "young", ""},
-    {"young_modulus", "", "material", "young", ""},
-    {"modulus", "", "material", "young", ""},
-    {"nu", "", "material", "poisson", ""},
-    {"poisson_ratio", "", "material", "poisson", ""},
-    {"poissons_ratio", "", "material", "poisson", ""},
-    {"min", "domain", "domain", "lower", ""},
-    {"max", "domain", "domain", "upper", ""},
-    {"low", "domain", "domain", "lower", ""},
-    {"high", "domain", "domain", "upper", ""},
-    {"size", "domain", "domain", "upper", "the box lies between lower and upper"},
-    {"periodic", "", "domain", "boundary", ""},
-    {"boundaries", "", "domain", "boundary", ""},
-    {"count", "source", "source", "number", ""},
-    {"n", "source", "source", "number", ""},
-    {"particles", "source", "source", "number", ""},
-    {"rate", "source", "source", "number_rate", ""},
-    {"mass_flow", "source", "source", "mass_rate", ""},
-    {"every", "source", "source", "interval", ""},
-    {"type", "source", "source", "kind", ""},
-    {"type", "wall", "wall", "shape", ""},
-    {"kind", "wall", "wall", "shape", ""},
-    {"mesh", "wall", "wall", "file", ""},
-    {"stl", "", "wall", "file", ""},
-    {"position", "wall", "wall", "point", ""},
-    {"offset", "wall", "wall", "shift", ""},
-    {"translate", "wall", "wall", "shift", ""},
-    {"height", "wall", "wall", "length", ""},
-    {"omega", "", "wall.motion", "rotation_rate", "in rad/s"},
-    {"angular_velocity", "", "wall.motion", "rotation_rate", "in rad/s about rotation_axis"},
-    {"rpm", "", "wall.motion", "rotation_rate", "in rad/s"},
-    {"rotation", "", "wall.motion", "rotation_rate", "in rad/s"},
-    {"axis", "motion", "wall.motion", "rotation_axis", ""},
-    {"origin", "motion", "wall.motion", "rotation_origin", ""},
-    {"interval", "output", "output", "particles_every", ""},
-    {"every", "output", "output", "particles_every", ""},
-    {"dump_every", "", "output", "particles_every", ""},
-    {"frames_every", "", "output", "particles_every", ""},
-    {"vtk", "", "output", "vtp", ""},
-    {"paraview", "", "output", "vtp", ""},
-    {"hdf5", "", "output", "vtkhdf", ""},
-    {"csv", "", "output", "csv_every", ""},
-    {"series_every", "", "output", "csv_every", ""},
-    {"energy", "output", "output", "energies", ""},
-    {"checkpoint_every", "", "output", "checkpoint_wall", "seconds of wall time; steps: --checkpoint-every"},
-    {"k", "list", "list", "verlet_k", ""},
-    {"skin", "list", "list", "uniform_skin", ""},
-    {"overlap", "checks", "checks", "max_overlap", ""},
-};
-
 struct Typed {
   std::string section, name;
 };
@@ -196,16 +86,17 @@ KeySuggestion suggest_key(std::string_view path) {
   constexpr double limit = 0.56;
   double best = limit;
   KeySuggestion found;
-  const auto offer = [&](double cost, const SceneKey* key, std::string_view remark) {
-    if (key == nullptr || !(cost < best)) return;
+  const auto offer = [&](double cost, const SceneKey& key, std::string_view remark) {
+    if (!(cost < best)) return;
     best = cost;
-    found = {key, remark};
+    found = {&key, remark};
   };
   // What a word means elsewhere goes before a key of the same spelling for something else.
-  for (const Alias& a : k_aliases)
-    if (a.word == t.name && within(t.section, a.within))
-      offer(section_cost(t.section, a.section) - 0.05, find_scene_key(a.section, a.name), a.remark);
-  for (const SceneKey& k : scene_keys()) offer(name_cost(t.name, k.name) + section_cost(t.section, k.section), &k, "");
+  for (const SceneKey& k : scene_keys())
+    for (const KeyAlias& a : k.also)
+      if (a.word == t.name && within(t.section, a.within))
+        offer(section_cost(t.section, k.section) - 0.05, k, a.remark);
+  for (const SceneKey& k : scene_keys()) offer(name_cost(t.name, k.name) + section_cost(t.section, k.section), k, "");
   return found;
 }
 

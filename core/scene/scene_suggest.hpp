@@ -1,6 +1,7 @@
 // Which key of a scene was meant by a path that is none: "friction" -> contact.friction, "size.radius" ->
-// source.size.diameter. Who calls it: core/io/scene_table (unknown keys and sections), scene_help, cases/ (options that
-// are keys). Invariant: looks at the whole path and at what words mean in other codes, not at the last letters alone.
+// source.size.diameter. Who calls it: core/scene/scene_table (unknown keys and sections), scene_help, cases/ (options
+// that are keys). Invariant: looks at the whole path and at what words mean in other codes, not at the last letters
+// alone.
 #pragma once
 
 #include <string>

@@ -202,7 +202,7 @@ const toml::node& default_node(const SceneKey& key) {
   static const auto defaults = [] {
     std::map<const SceneKey*, toml::table> m;
     for (const SceneKey& k : scene_keys()) {
-      if (k.fallback == "required" || k.fallback.starts_with('(')) continue;
+      if (!k.has_default()) continue;
       m.emplace(&k, toml::parse(fmt::format("v = {}", k.fallback)));
     }
     return m;
@@ -215,14 +215,8 @@ std::string join(std::string_view path, std::string_view name) {
 }
 
 std::vector<std::string> choice_words(const SceneKey& key) {
-  std::vector<std::string> words{""};
-  for (char c : key.choices) {
-    if (c == '|')
-      words.emplace_back();
-    else
-      words.back() += c;
-  }
-  return words;
+  const std::vector<std::string_view> words = split_words(key.choices, ", ");
+  return {words.begin(), words.end()};
 }
 
 bool is_choice(const SceneKey& key, const toml::node* node) {
@@ -383,15 +377,11 @@ class Checker {
   void check_only(std::string_view name, const toml::node& n) const {
     const SceneKey* k = find_scene_key(section_, name);
     if (k == nullptr || k->only.empty()) return;
-    const std::size_t equals = k->only.find('=');
-    const std::string_view decider = k->only.substr(0, equals);
-    const std::string bars = "|" + std::string(k->only.substr(equals + 1)) + "|";
-    const std::string decider_text = known(text_in(node_of(&table_, section_, decider)));
-    if (bars.find("|" + decider_text + "|") != std::string::npos) return;
-    std::string list = bars.substr(1, bars.size() - 2);
-    for (std::size_t bar; (bar = list.find('|')) != std::string::npos;) list.replace(bar, 1, ", ");
+    const KeyCondition only = condition_of(k->only);
+    const std::string value = known(text_in(node_of(&table_, section_, only.key)));
+    if (only.holds(value)) return;
     fail_value(ctx_, child(name), n,
-               fmt::format("has no effect with {} = {}; allowed only for {}", decider, decider_text, list));
+               fmt::format("has no effect with {} = {}; allowed only for {}", only.key, value, only.text()));
   }
 
   const Context& ctx_;
@@ -424,7 +414,7 @@ SceneTable::SceneTable(std::shared_ptr<const Text> text, const void* table, std:
   if (table_ == nullptr && find_scene_section(section_) == nullptr) throw std::logic_error("no section " + section_);
   if (table_ != nullptr) Checker(text_->context, *as_table(table_), section_, path_).types();
   for (const SceneKey& k : scene_keys()) {
-    if (k.section == section_ && k.fallback == "required" && !has(k.name)) missing(k.name);
+    if (k.section == section_ && k.required() && !has(k.name)) missing(k.name);
   }
   if (table_ != nullptr) Checker(text_->context, *as_table(table_), section_, path_).effects();
 }

@@ -61,27 +61,10 @@ void WallSet::Impl::list(const Wall& w, Vec3 c, double reach, std::int32_t slot,
     out.push_back(element);
     if (distance != nullptr) distance->push_back(static_cast<float>((d - rounding) * (1 - k_bound_deflation)));
   };
-  if (const auto* plane = std::get_if<PlaneElement>(&w.shape)) {
-    add(first, closest(*plane, b).distance);
-  } else if (const auto* frustum = std::get_if<FrustumElement>(&w.shape)) {
-    add(first, closest(*frustum, b).distance);
-  } else {
-    const auto& m = std::get<FacetMesh>(w.shape);
-    const double padded = within * (1 + k_candidate_inflation);
-    auto test = [&](std::int32_t f) {
-      ElementHit hit;
-      if (closest_within(m.facets[f], b, padded, hit)) add(first + f, hit.distance);
-    };
-    // a grid was built with the slack on top of its reach
-    const auto covers = [&](const FacetGrid& g) { return within - w.slack <= g.reach() * (1 + 0.5e-6); };
-    if (covers(m.usual_grid)) {
-      for (const std::int32_t f : m.usual_grid.near(b)) test(f);
-    } else if (covers(m.grid)) {
-      for (const std::int32_t f : m.grid.near(b)) test(f);
-    } else {  // more than the grid was built for: slower, never incomplete
-      for (std::int32_t f = 0; f < w.count; ++f) test(f);
-    }
-  }
+  static thread_local std::vector<NearElement> near;
+  near.clear();
+  w.shape->near(b, within * (1 + k_candidate_inflation), within, near);
+  for (const NearElement& e : near) add(first + e.element, e.distance);
 }
 
 /// More than the distance within which an image of the wall has candidates, whatever rounds [m].
@@ -167,13 +150,7 @@ void collect_hits(const std::vector<Wall>& walls, Vec3 c, double radius, std::sp
     if (!at.read(code)) continue;
     const Wall& w = walls[at.wall];
     ElementHit hit;
-    if (const auto* m = std::get_if<FacetMesh>(&w.shape)) {
-      if (!closest_within(m->facets[at.facet], at.body, radius + w.slack, hit)) continue;
-    } else if (const auto* plane = std::get_if<PlaneElement>(&w.shape)) {
-      hit = closest(*plane, at.body);
-    } else {
-      hit = closest(std::get<FrustumElement>(w.shape), at.body);
-    }
+    if (!w.shape->closest(at.facet, at.body, radius + w.slack, hit)) continue;
     if (hit.distance < radius)
       hits.push_back({direction_to_world(w.pose, hit.normal), hit.distance, static_cast<std::int32_t>(at.wall),
                       w.first + at.facet, hit.feature, at.shift});
@@ -182,10 +159,11 @@ void collect_hits(const std::vector<Wall>& walls, Vec3 c, double radius, std::sp
 
 /// True if the closest point of `b` lies in the facet of `a`, which comes nearer to the centre elsewhere.
 bool leads_nearer(const Wall& wall, const Hit& a, const Hit& b, Vec3 c, double tolerance) {
-  const auto* m = std::get_if<FacetMesh>(&wall.shape);
-  if (m == nullptr || !(a.distance < b.distance)) return false;
+  if (!wall.shape->facets || !(a.distance < b.distance)) return false;
   const Vec3 point = to_body(wall.pose, (c - a.shift) - b.distance * b.normal);
-  return closest(m->facets[a.element - wall.first], point).distance <= tolerance;
+  ElementHit hit;
+  wall.shape->closest(a.element - wall.first, point, k_never, hit);
+  return hit.distance <= tolerance;
 }
 
 /// Where images overlap, a surface is there more than once and rounding alone decides which copy comes first: takes

@@ -2,22 +2,14 @@
 // (candidates, contacts) and core/walls/wall_speed.cpp (fastest points) alone.
 #pragma once
 
-#include <variant>
+#include <memory>
 #include <vector>
 
-#include "core/meshes/mesh_file.hpp"
-#include "core/walls/facet_grid.hpp"
-#include "core/walls/wall_elements.hpp"
+#include "core/walls/shapes/shape.hpp"
 #include "core/walls/wall_images.hpp"
 #include "core/walls/walls.hpp"
 
 namespace talus {
-
-struct FacetMesh {
-  std::vector<TriangleElement> facets;
-  FacetGrid grid;        ///< for the largest reach there can be
-  FacetGrid usual_grid;  ///< for the reach of nearly all grains: shorter lists; empty where none was asked for
-};
 
 struct Wall {
   WallSpec spec;
@@ -25,13 +17,10 @@ struct Wall {
   /// Candidates have the codes [first_code, end_code): first_code + slot of the image * count + element - first.
   std::int32_t first_code = 0, end_code = 0;
   WallImages images;
-  std::variant<PlaneElement, FrustumElement, FacetMesh> shape;
-  MeshReport report;            ///< of mesh walls
-  double slack = 0;             ///< vertices lie this near to their facet's plane [m]
-  double extent = 0;            ///< largest body coordinate, for rounding bounds [m]
-  std::array<Vec3, 8> corners;  ///< body box around the elements (planes: see travelled)
-  bool moves = false;           ///< at some time
-  bool turns_in_place = false;  ///< rotation maps the surface of revolution onto itself
+  std::shared_ptr<const Shape> shape;
+  double slack = 0;    ///< of the shape
+  double extent = 0;   ///< largest body coordinate, for rounding bounds [m]
+  bool moves = false;  ///< at some time
   WallPose pose, marked;
   double skin = 0;     ///< [m]
   double arm = 0;      ///< largest distance from the axis of rotation of a point that a particle can touch [m]

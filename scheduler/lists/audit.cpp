@@ -36,16 +36,7 @@ std::vector<double> reaches(const Rows& rows, const Lists& lists) {
 
 bool touch(const Rules& rules, const Rows& rows, Row i, Row j, double r) {
   const double *a = rows.p.data() + 4L * i, *b = rows.p.data() + 4L * j;
-  double d2 = 0;
-  for (int k = 0; k < 3; ++k) {
-    double d = a[k] - b[k];
-    if (rules.scene.domain.periodic(k)) {
-      if (d > 0.5 * rules.size[k]) d -= rules.size[k];
-      if (d < -0.5 * rules.size[k]) d += rules.size[k];
-    }
-    d2 += d * d;
-  }
-  return d2 < r * r;
+  return norm2(rules.scene.domain.box().nearest({a[0] - b[0], a[1] - b[1], a[2] - b[2]})) < r * r;
 }
 
 /// Rows in strips across the domain's second longest side, sorted along the longest one within each: partners are in

@@ -71,12 +71,8 @@ Sections cut_sections(const Rules& rules, const Rows& rows, const Lists& lists, 
   a.pi = c.outer.pi.data();
   a.pj = c.outer.pj.data();
   a.mask = t.mask.data();
-  for (int k = 0; k < 3; ++k) {
-    a.end[k] = c.outer.end[k];
-    const bool periodic = rules.scene.domain.periodic(k);
-    a.half[k] = periodic ? 0.5 * rules.size[k] : 1e300;
-    a.period[k] = periodic ? rules.size[k] : 0.0;
-  }
+  const Box box = rules.scene.domain.box();
+  for (int k = 0; k < 3; ++k) a.end[k] = c.outer.end[k], a.half[k] = box.half(k), a.period[k] = box.period(k);
   a.periodic = rules.has.periodic ? 1 : 0;
   a.ci = t.build[0].data();
   a.cj = t.build[1].data();

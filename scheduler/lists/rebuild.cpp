@@ -28,7 +28,7 @@ Sections search_chunk(const Rules& rules, const Rows& rows, const Lists& lists, 
   a.start = lists.grid.cell_start.data();
   a.level = lists.grid.level;
   a.levels = lists.grid.levels;
-  for (int k = 0; k < 3; ++k) a.period[k] = rules.scene.domain.periodic(k) ? rules.size[k] : 0.0;
+  for (int k = 0; k < 3; ++k) a.period[k] = rules.scene.domain.box().period(k);
   a.p = rows.p.data();
   a.reach = lists.grid.reach.data();
   a.fixed = rules.has.fixed ? rows.fixed.data() : nullptr;

@@ -45,15 +45,7 @@ constexpr double k_shrink = 0.9;  // of a skin that was not used up, per rebuild
 constexpr Row k_neighbours = 64;  // rows lie in Morton order: 64 of them fill a compact part of space
 
 /// Squared length [m2] of the minimum image of d.
-double image2(const Rules& rules, const Vec3& d) {
-  double sum = 0;
-  for (int k = 0; k < 3; ++k) {
-    const double period = rules.size[k];
-    const double c = rules.scene.domain.periodic(k) ? d[k] - period * __builtin_floor(d[k] / period + 0.5) : d[k];
-    sum += c * c;
-  }
-  return sum;
-}
+double image2(const Rules& rules, const Vec3& d) { return norm2(rules.scene.domain.box().nearest_of_any(d)); }
 
 }  // namespace
 
@@ -186,13 +178,8 @@ double distance2(const Rules& rules, const double* x, const double* y) {
 }
 
 WallSet::Wraps wraps_of(const Rules& rules, const double* x, const double* y) {
-  WallSet::Wraps n{};
-  for (int k = 0; k < 3; ++k) {
-    if (!rules.scene.domain.periodic(k)) continue;
-    const double d = x[k] - y[k];
-    n[static_cast<std::size_t>(k)] = d > 0.5 * rules.size[k] ? 1 : (d < -0.5 * rules.size[k] ? -1 : 0);
-  }
-  return n;
+  const Box box = rules.scene.domain.box();
+  return {box.wraps(0, x[0] - y[0]), box.wraps(1, x[1] - y[1]), box.wraps(2, x[2] - y[2])};
 }
 
 double used2(const Rules& rules, const Clock& clock, const Rows& rows, const Lists& lists, Row i) {

@@ -17,14 +17,8 @@ void find_deep(const Rules& rules, const Rows& rows, Chunk& c, std::int64_t k0, 
   for (std::int64_t k = k0; k < k0 + n && c.result.deep_slot < 0; ++k) {
     const double *p = rows.p.data() + 4L * s.ci[static_cast<std::size_t>(k)],
                  *o = rows.p.data() + 4L * s.cj[static_cast<std::size_t>(k)];
-    double d2 = 0;
-    for (int q = 0; q < 3; ++q) {
-      double x = p[q] - o[q];
-      if (rules.scene.domain.periodic(q))
-        x = x > 0.5 * rules.size[q] ? x - rules.size[q] : (x < -0.5 * rules.size[q] ? x + rules.size[q] : x);
-      d2 += x * x;
-    }
-    if (p[3] + o[3] - __builtin_sqrt(d2) <= rules.scene.max_overlap * fmin2(p[3], o[3])) continue;
+    const double d = norm(rules.scene.domain.box().nearest({p[0] - o[0], p[1] - o[1], p[2] - o[2]}));
+    if (p[3] + o[3] - d <= rules.scene.max_overlap * fmin2(p[3], o[3])) continue;
     c.result.deep_slot = k;
     c.result.deep_rows[0] = s.ci[static_cast<std::size_t>(k)];
     c.result.deep_rows[1] = s.cj[static_cast<std::size_t>(k)];
@@ -49,11 +43,8 @@ ContactBlocks::ContactBlocks(const Rules& rules, const Clock& clock, const Rows&
   const bool relaxing = clock.step < rules.scene.relax.steps;
   g.deep = relaxing ? 0.0 : fmax2(0.0, 1.0 - rules.scene.max_overlap * rules.r_min / (rules.r_min + rules.r_max));
   g.periodic = rules.has.periodic ? 1 : 0;
-  for (int k = 0; k < 3; ++k) {
-    const bool periodic = rules.scene.domain.periodic(k);
-    g.half[k] = periodic ? 0.5 * rules.size[k] : 1e300;
-    g.period[k] = periodic ? rules.size[k] : 0.0;
-  }
+  const Box box = rules.scene.domain.box();
+  for (int k = 0; k < 3; ++k) g.half[k] = box.half(k), g.period[k] = box.period(k);
   if (c.contacts.run_count > 0)
     for (int k = 0; k < rules.has.law_columns; ++k)
       grow(c.scratch->h[k], static_cast<std::size_t>(c.contacts.end[2]) + 2 * k_pad);

@@ -44,12 +44,12 @@ IntegrateArgs arguments(const Rules& rules, const Clock& clock, Rows& rows, cons
   // velocity Verlet starts with a half kick (initial velocities hold at step 0), leapfrog takes them as v(-1/2)
   a.kick =
       clock.step == 0 && rules.scene.integrator == Integrator::velocity_verlet ? 0.5 * rules.scene.dt : rules.scene.dt;
+  const Box box = rules.scene.domain.box();
   for (int k = 0; k < 3; ++k) {
-    const bool periodic = rules.scene.domain.periodic(k);
     a.gravity[k] = clock.gravity[k];
     a.upper[k] = rules.size[k];
-    a.wrap[k] = periodic ? rules.size[k] : 0.0;
-    a.half[k] = periodic ? 0.5 * rules.size[k] : 1e300;
+    a.wrap[k] = box.period(k);
+    a.half[k] = box.half(k);
   }
   a.upper[3] = a.half[3] = 1e300;
   return a;

@@ -122,6 +122,7 @@ void observe_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Chu
   const Scratch& s = *c.scratch;
   const MonitorSettings& m = rules.scene.monitor;
   const double dt = rules.scene.dt;
+  const Box box = rules.scene.domain.box();
   ChunkExtremes x;
   x.filled = true;
   const auto offer = [&x](Watch watch, double value, double level, ParticleId id, ParticleId partner) {
@@ -145,14 +146,8 @@ void observe_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Chu
     const Row i = s.ci[static_cast<std::size_t>(k)], j = s.cj[static_cast<std::size_t>(k)];
     if (i > j) continue;  // a pair across chunks is seen by both owners
     const double *p = rows.p.data() + 4L * i, *o = rows.p.data() + 4L * j;
-    double d2 = 0;
-    for (int q = 0; q < 3; ++q) {
-      double d = p[q] - o[q];
-      if (rules.scene.domain.periodic(q))
-        d = d > 0.5 * rules.size[q] ? d - rules.size[q] : (d < -0.5 * rules.size[q] ? d + rules.size[q] : d);
-      d2 += d * d;
-    }
-    const double share = (p[3] + o[3] - __builtin_sqrt(d2)) / fmin2(p[3], o[3]);
+    const double d = norm(box.nearest({p[0] - o[0], p[1] - o[1], p[2] - o[2]}));
+    const double share = (p[3] + o[3] - d) / fmin2(p[3], o[3]);
     const ParticleId a = rows.id[i], b = rows.id[j];
     offer(Watch::overlap, share, m.warn_overlap, a < b ? a : b, a < b ? b : a);
   }

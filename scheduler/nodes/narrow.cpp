@@ -34,12 +34,8 @@ void narrow_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Chun
   a.pi = c.list.pi.data();
   a.pj = c.list.pj.data();
   a.mask = c.list.mask.data();
-  for (int k = 0; k < 3; ++k) {
-    a.end[k] = c.list.end[k];
-    const bool periodic = rules.scene.domain.periodic(k);
-    a.half[k] = periodic ? 0.5 * rules.size[k] : 1e300;
-    a.period[k] = periodic ? rules.size[k] : 0.0;
-  }
+  const Box box = rules.scene.domain.box();
+  for (int k = 0; k < 3; ++k) a.end[k] = c.list.end[k], a.half[k] = box.half(k), a.period[k] = box.period(k);
   a.periodic = rules.has.periodic ? 1 : 0;
   if (rules.has.law_columns > 0 && !rules.has.adhesion) {
     for (int k = 0; k < rules.has.law_columns; ++k) grow(c.contacts.h[k], k_pad);

@@ -17,6 +17,7 @@ void relax_chunk(const Rules& rules, const Clock& clock, Rows& rows, const Lists
   c.result.out_count = 0;
   c.result.expired = 0;
   c.result.unstable_row = -1;
+  const Box box = rules.scene.domain.box();
   for (Row i = c.lo; i < c.hi; ++i) {
     const double *p = rows.p.data() + 4L * i, *v = rows.v.data() + static_cast<long>(rules.stride) * i;
     double *p2 = rows.p2.data() + 4L * i, *v2 = rows.v2.data() + static_cast<long>(rules.stride) * i;
@@ -49,9 +50,7 @@ void relax_chunk(const Rules& rules, const Clock& clock, Rows& rows, const Lists
       if (rules.scene.domain.periodic(k)) {
         if (p2[k] < 0) p2[k] = p2[k] + side;
         if (!(p2[k] < side)) p2[k] = p2[k] - side;
-        d = p2[k] - ref[k];
-        if (d >= 0.5 * side) d = d - side;
-        if (d < -0.5 * side) d = d + side;
+        d = box.nearest(k, p2[k] - ref[k]);
       } else {
         out = out || !(p2[k] >= 0 && p2[k] < side);
         d = p2[k] - ref[k];

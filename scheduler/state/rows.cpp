@@ -8,6 +8,7 @@
 #include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
 #include "core/base/memory.hpp"
+#include "core/grains/body.hpp"
 #include "kernels/views.hpp"
 
 namespace talus {
@@ -48,9 +49,7 @@ Rows::Rows(const Rules& rules) : stride(rules.stride) {
 }
 
 double mass_of(const Rules& rules, const Rows& rows, Row i) {
-  const double r = rows.p[4L * i + 3];
-  const double rho = rules.scene.materials[rules.has.materials ? rows.material[i] : 0].density;
-  return rho * (4.0 / 3.0 * det::k_pi) * (r * r * r);
+  return Body{rows.p[4L * i + 3], rules.scene.materials[rules.has.materials ? rows.material[i] : 0].density}.mass();
 }
 
 Vec3 gravity_along(const Rules& rules, const Clock& clock, bool periodic) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "core/grains/body.hpp"
 #include "scheduler/lists/rebuild.hpp"
 #include "scheduler/nodes/add_ons.hpp"
 #include "scheduler/nodes/contact_blocks.hpp"
@@ -132,7 +133,7 @@ std::vector<RowContact> present_contacts(const World& w) {
 /// sigma = 1/V l f of one end of a contact, l from the centre to the contact point, f the force on the particle;
 /// compression < 0.
 void add_stress(const ContactRecord& c, bool first, double r, std::array<double, 6>& stress) {
-  const double volume = 4.0 / 3.0 * 3.14159265358979323846 * r * r * r;
+  const double volume = Body{r}.volume();
   const double nf = norm(c.normal_force);
   const Vec3 force = (first ? 1.0 : -1.0) * (c.normal_force + c.tangential_force);
   const Vec3 n = nf > 0 ? (1 / nf) * c.normal_force : Vec3{};

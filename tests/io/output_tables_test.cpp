@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <set>
 
-#include "core/io/poly_data.hpp"
+#include "core/frame/quantities.hpp"
 #include "core/io/series.hpp"
 #include "tests/io/output_frames.hpp"
 
@@ -33,7 +33,9 @@ std::ptrdiff_t rows_for(const Rows& rows, const std::string& name) {
 TEST(OutputTables, EveryColumnOfTheSeriesHasOneRowAndEveryRowAColumn) {
   SeriesLayout layout;
   layout.inserted = layout.wall_contacts = layout.energies = layout.rotation = true;
-  layout.region_stress = layout.region_coordination = true;
+  Scene scene;
+  scene.output.stress = scene.output.coordination = true;
+  layout.averages = averages_of(scene);
   layout.walls = {"floor", "lower x"};
   layout.planes = {"out"};
   layout.regions = {"core"};
@@ -52,7 +54,7 @@ TEST(OutputTables, EveryColumnOfTheSeriesHasOneRowAndEveryRowAColumn) {
 
 TEST(OutputTables, EveryColumnOfFramesHasOneRowAndEveryRowAColumn) {
   const Frame frame = test::make_frame(3, 5);
-  const PolyData particles = particle_poly(frame, {true, true, true, true, true}), contacts = contact_poly(frame);
+  const PolyData particles = particle_poly(frame, ParticleColumns::all()), contacts = contact_poly(frame);
   EXPECT_EQ(particles.point_data.size(), frame_columns().size());
   for (const PolyColumn& c : particles.point_data) EXPECT_EQ(rows_for(frame_columns(), c.name), 1) << c.name;
   EXPECT_EQ(contacts.point_data.size(), contact_columns().size());

@@ -21,7 +21,10 @@ using test::TemporaryFolder;
 
 SeriesLayout full_layout() {
   SeriesLayout l;
-  l.inserted = l.wall_contacts = l.energies = l.rotation = l.region_stress = l.region_coordination = true;
+  l.inserted = l.wall_contacts = l.energies = l.rotation = true;
+  Scene scene;
+  scene.output.stress = scene.output.coordination = true;
+  l.averages = averages_of(scene);
   l.walls = {"gate", "domain_z_lower"};
   l.planes = {"outlet"};
   l.regions = {"bed"};

@@ -24,7 +24,7 @@ using test::slurp;
 using test::TemporaryFolder;
 using Content = VtkHdfWriter::Content;
 
-const ParticleColumns k_all{true, true, true, true, true};
+const ParticleColumns k_all = ParticleColumns::all();
 
 TEST(VtkHdf, ParticlesOfVaryingNumberMatchTheFormat) {
   TemporaryFolder folder;

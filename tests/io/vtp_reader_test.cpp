@@ -17,7 +17,7 @@ namespace {
 using test::make_frame;
 using test::TemporaryFolder;
 
-const ParticleColumns k_all{true, true, true, true, true};
+const ParticleColumns k_all = ParticleColumns::all();
 
 void expect_same(const Frame& a, const Frame& b) {
   EXPECT_EQ(a.step, b.step);

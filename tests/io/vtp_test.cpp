@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "core/base/error.hpp"
+#include "core/frame/quantities.hpp"
 #include "tests/io/output_frames.hpp"
 
 namespace talus {
@@ -15,7 +16,7 @@ using test::make_frame;
 using test::python;
 using test::TemporaryFolder;
 
-const ParticleColumns k_all{true, true, true, true, true};
+const ParticleColumns k_all = ParticleColumns::all();
 
 TEST(Vtp, VtkReadsParticlesWallsAndContacts) {
   TemporaryFolder folder;
