@@ -11,8 +11,8 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <utility>
-#include <vector>
 
 namespace talus {
 
@@ -21,7 +21,7 @@ class StepGate {
   /// For lanes 0..lanes-1 (below 65535), none of them waiting or running. patient: false where threads share cores:
   /// then every lane gives its thread back at once.
   void prepare(int lanes, bool patient = true) {
-    next_left_.assign(static_cast<std::size_t>(lanes), k_none);
+    links_ = std::make_unique<std::atomic<std::uint64_t>[]>(static_cast<std::size_t>(lanes));
     patient_ = patient;
     dismissed_ = true;
   }
@@ -33,7 +33,7 @@ class StepGate {
     Clock::time_point begin;
     bool waits = patient_;
     for (unsigned tries = 0;; ++tries) {
-      std::uint64_t seen = word_.load(std::memory_order_acquire);
+      const std::uint64_t seen = word_.load(std::memory_order_acquire);
       if (round_of(seen) != round)
         // a lane that was dismissed and looks late may find the number of a round that goes on without it
         return round_of(seen) == round + 1 && (seen & k_dismissed) == 0;
@@ -41,12 +41,28 @@ class StepGate {
         pause();
         if (tries == k_tries_per_look) begin = Clock::now();
         if (tries > k_tries_per_look && tries % k_tries_per_look == 0) waits = Clock::now() - begin < k_patience;
-      } else {
-        next_left_[static_cast<std::size_t>(lane)] = static_cast<std::uint16_t>(seen & k_none);
-        const std::uint64_t then = (seen & ~std::uint64_t{k_none}) | static_cast<std::uint64_t>(lane);
-        if (word_.compare_exchange_strong(seen, then, std::memory_order_acq_rel)) return false;
+      } else if (const Look look = look_at(lane); round_of(look.word) == round && leave(look, lane)) {
+        return false;
       }
     }
+  }
+  /// await() gives up in two parts: what a lane sees,
+  struct Look {
+    std::uint64_t link, word;
+  };
+  Look look_at(int lane) const noexcept {
+    // the link first: where the round is still the lane's own afterwards, nobody else has begun this lane before
+    const std::uint64_t link = links_[static_cast<std::size_t>(lane)].load(std::memory_order_acquire);
+    return {link, word_.load(std::memory_order_acquire)};
+  }
+  /// and its leaving, if that still holds. A thread may be stopped in between for long: then its lane was sent away and
+  /// handed out again, and may have left a later round. That link must stay, or the lanes behind it are lost.
+  bool leave(Look look, int lane) noexcept {
+    const std::uint64_t link = (look.word >> 32 << 32) | (look.word & k_none);
+    if (!links_[static_cast<std::size_t>(lane)].compare_exchange_strong(look.link, link, std::memory_order_acq_rel))
+      return false;
+    const std::uint64_t then = (look.word & ~std::uint64_t{k_none}) | static_cast<std::uint64_t>(lane);
+    return word_.compare_exchange_strong(look.word, then, std::memory_order_acq_rel);
   }
   /// All lanes have to be started by the caller; else open() is enough.
   bool dismissed() const noexcept { return dismissed_; }
@@ -55,7 +71,7 @@ class StepGate {
   void open(F again) {
     const std::uint64_t before = advance(0);
     for (auto lane = static_cast<std::uint16_t>(before & k_none); lane != k_none;)
-      again(std::exchange(lane, next_left_[lane]));
+      again(std::exchange(lane, static_cast<std::uint16_t>(links_[lane].load(std::memory_order_relaxed) & k_none)));
   }
   /// Sends all waiting lanes away: their threads are wanted elsewhere, or nothing is left to do.
   void dismiss() noexcept {
@@ -84,9 +100,10 @@ class StepGate {
     return word_.exchange(next, std::memory_order_acq_rel);
   }
 
-  /// Round, whether it was begun by dismissing, and the last lane that gave up waiting (next_left_: the one before it).
+  /// Round, whether it was begun by dismissing, and the last lane that gave up waiting; its link: the round, and the
+  /// lane that gave up before it.
   alignas(128) std::atomic<std::uint64_t> word_{k_none};
-  alignas(128) std::vector<std::uint16_t> next_left_;
+  alignas(128) std::unique_ptr<std::atomic<std::uint64_t>[]> links_;
   bool patient_ = false;
   bool dismissed_ = true;
 };

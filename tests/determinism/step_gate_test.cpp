@@ -122,4 +122,36 @@ TEST(StepGate, ADismissedLaneThatLooksLateStaysAway) {
   EXPECT_TRUE(gate.await(round + 1, 1));
 }
 
+// A thread that is stopped while its lane gives up, until the lane was handed out again and has given up once more.
+TEST(StepGate, AThreadThatWasStoppedWhileLeavingLosesNoLane) {
+  talus::StepGate gate;
+  gate.prepare(3, false);
+  gate.started();
+  const std::uint32_t first = gate.round();
+  ASSERT_FALSE(gate.await(first, 2));
+  const talus::StepGate::Look stopped = gate.look_at(0);
+  gate.dismiss();
+  gate.started();
+  const std::uint32_t second = gate.round();
+  for (const int lane : {1, 0, 2}) ASSERT_FALSE(gate.await(second, lane));
+  EXPECT_FALSE(gate.leave(stopped, 0));
+  std::vector<int> again;
+  gate.open([&again](std::uint16_t lane) { again.push_back(lane); });
+  EXPECT_EQ(again, (std::vector<int>{2, 0, 1}));
+}
+
+// The same without a stop: whoever was overtaken by another lane of its round looks again and leaves.
+TEST(StepGate, ALaneThatIsOvertakenWhileLeavingLeavesBehindTheOther) {
+  talus::StepGate gate;
+  gate.prepare(2, false);
+  gate.started();
+  const talus::StepGate::Look before = gate.look_at(0);
+  ASSERT_FALSE(gate.await(gate.round(), 1));
+  EXPECT_FALSE(gate.leave(before, 0));
+  EXPECT_FALSE(gate.await(gate.round(), 0));
+  std::vector<int> again;
+  gate.open([&again](std::uint16_t lane) { again.push_back(lane); });
+  EXPECT_EQ(again, (std::vector<int>{0, 1}));
+}
+
 }  // namespace
