@@ -8,7 +8,8 @@ namespace talus {
 
 inline constexpr int k_block = 128;      ///< contacts per L1 block (DESIGN 2.4)
 inline constexpr int k_pad = 16;         ///< slack behind every per-contact array
-inline constexpr int k_max_history = 5;  ///< history columns of the widest law
+inline constexpr int k_max_history = 8;  ///< history columns of the widest law
+inline constexpr int k_usual_history = 5;  ///< of the laws without partial slip
 inline constexpr int k_max_moment = 5;   ///< history columns of rolling and twisting, behind those of the law
 inline constexpr int k_max_columns = k_max_history + k_max_moment;
 
@@ -255,7 +256,7 @@ struct KernelTable {
   void (*scatter[2])(const ScatterArgs&);  ///< [rotation]
   void (*integrate[2])(IntegrateArgs&);    ///< [rotation]
   void (*search)(SearchArgs&);
-  void (*law[24])(Block&, const LawArgs&);
+  void (*law[32])(Block&, const LawArgs&);
   /// The linear law with friction and one material pair up to the Coulomb limit, and the scatter that applies it. One
   /// after the other they give the bits of law and scatter: the limit's root and division wait in a pass whose time
   /// goes into loads, stores and shuffles instead of in one that multiplications bind.
