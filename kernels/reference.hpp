@@ -26,9 +26,10 @@ struct Result {
 Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& xi, double& predicted);
 
 /// Hertz-Mindlin (kernels/models/hertz_mindlin.hpp); `ft` is the elastic tangential force [N], `radius` the last
-/// contact radius [m], both updated; `predicted` as above.
+/// contact radius [m], both updated; `predicted` as above. `second`: the second part of the state of partial slip [N]
+/// (kernels/models/partial_slip.hpp), updated; null: one spring for the whole contact.
 Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& ft, double& radius,
-                     double& predicted);
+                     double& predicted, Vec3* second = nullptr);
 
 /// History of rolling and twisting (kernels/models/moments.hpp), oriented from j to i.
 struct MomentHistory {

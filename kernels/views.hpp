@@ -6,10 +6,11 @@
 
 namespace talus {
 
-inline constexpr int k_block = 128;      ///< contacts per L1 block (DESIGN 2.4)
-inline constexpr int k_pad = 16;         ///< slack behind every per-contact array
-inline constexpr int k_max_history = 5;  ///< history columns of the widest law
-inline constexpr int k_max_moment = 5;   ///< history columns of rolling and twisting, behind those of the law
+inline constexpr int k_block = 128;        ///< contacts per L1 block (DESIGN 2.4)
+inline constexpr int k_pad = 16;           ///< slack behind every per-contact array
+inline constexpr int k_max_history = 8;    ///< history columns of the widest law
+inline constexpr int k_usual_history = 5;  ///< of the laws without partial slip
+inline constexpr int k_max_moment = 5;     ///< history columns of rolling and twisting, behind those of the law
 inline constexpr int k_max_columns = k_max_history + k_max_moment;
 
 /// Contacts from `to` on, up to the next run, have their history of the last step at `from` and after; -1: they are
@@ -92,7 +93,7 @@ struct GatherArgs {
   double (*x)[k_block + k_pad];  ///< out: 0..2 centre difference i - j (minimum image), 3 r_i + r_j [m]
   double (*r)[k_block + k_pad];  ///< out: relative velocity rows, see Block::r
   int periodic;
-  double half[3], period[3];   ///< as in NarrowArgs
+  double half[3], period[3];            ///< as in NarrowArgs
   const std::int32_t *next_i, *next_j;  ///< rows of the next block, prefetched; next_n of them; next_i may be null
   int next_n;
   const double* next_h[k_max_history];  ///< history of the next block, prefetched; next_columns of them
@@ -255,7 +256,7 @@ struct KernelTable {
   void (*scatter[2])(const ScatterArgs&);  ///< [rotation]
   void (*integrate[2])(IntegrateArgs&);    ///< [rotation]
   void (*search)(SearchArgs&);
-  void (*law[24])(Block&, const LawArgs&);
+  void (*law[32])(Block&, const LawArgs&);
   /// The linear law with friction and one material pair up to the Coulomb limit, and the scatter that applies it. One
   /// after the other they give the bits of law and scatter: the limit's root and division wait in a pass whose time
   /// goes into loads, stores and shuffles instead of in one that multiplications bind.

@@ -3,6 +3,7 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cstring>
 #include <vector>
 
@@ -53,7 +54,9 @@ std::uint64_t hash_of_history(const Rules& rules, std::int64_t first, std::int64
   t.a = first;
   t.b = second;
   for (int k = 0; k < rules.has.law_columns; ++k) t.h[k] = flip && rules.flips(k) ? -law[k] : law[k];
-  std::uint64_t sum = XXH3_64bits(&t, sizeof t);
+  // laws of at most k_usual_history columns keep the hashes that they had before there was a wider one
+  const auto unused = static_cast<std::size_t>(k_max_history - std::max(rules.has.law_columns, k_usual_history));
+  std::uint64_t sum = XXH3_64bits(&t, sizeof t - unused * sizeof(double));
   if (rules.has.moments) {
     double m[k_max_moment + 2] = {};
     std::memcpy(m, &t.a, sizeof t.a);

@@ -60,7 +60,8 @@ struct Rules {
   int pair_index(int a, int b) const { return a * static_cast<int>(scene.materials.size()) + b; }
   /// History column q changes sign when the partners of a contact are swapped.
   bool flips(int q) const {
-    if (q < has.law_columns) return has.rotation && q < 3;  // the tangential spring; scalars are the same for both
+    // the tangential spring, and the second part of partial slip; scalars are the same for both
+    if (q < has.law_columns) return has.rotation && (q < 3 || (scene.contact.partial_slip && q > 3 && q < 7));
     return ((law.moment_flips >> (q - has.law_columns)) & 1U) != 0;
   }
   /// The arguments of the laws in step n.

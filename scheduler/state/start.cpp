@@ -74,7 +74,7 @@ Rules rules_of(const Scene& scene, const RunOptions& options, const Insertion& i
   rules.r_max = insertion.largest_radius();
   rules.threads = options.threads > 0 ? options.threads : available_cores();
   rules.kernels = &select_kernels(options.isa, &rules.isa_why, scene.precision);
-  rules.law.info = &law_info(scene.contact.model);
+  rules.law.info = &law_info(scene.contact);
   set_features(rules, any_fixed);
   std::stable_sort(rules.scene.events.begin(), rules.scene.events.end(),
                    [](const Event& a, const Event& b) { return a.time < b.time; });
