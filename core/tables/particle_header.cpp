@@ -1,5 +1,5 @@
 // See particle_header.hpp.
-#include "core/io/particle_header.hpp"
+#include "core/tables/particle_header.hpp"
 
 #include <array>
 #include <optional>

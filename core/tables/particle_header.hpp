@@ -5,8 +5,8 @@
 #include <deque>
 #include <span>
 
-#include "core/io/particle_columns.hpp"
-#include "core/io/particle_text.hpp"
+#include "core/tables/particle_columns.hpp"
+#include "core/tables/particle_text.hpp"
 
 namespace talus::particle_text {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/io/particle_formats.hpp"
-#include "core/io/particle_text.hpp"
+#include "core/tables/particle_formats.hpp"
+#include "core/tables/particle_text.hpp"
 #include "core/scene/scene_keys.hpp"
 
 namespace talus {

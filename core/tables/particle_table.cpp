@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/io/particle_formats.hpp"
-#include "core/io/particle_header.hpp"
+#include "core/tables/particle_formats.hpp"
+#include "core/tables/particle_header.hpp"
 #include "core/scene/scene_keys.hpp"
 
 namespace talus {
