@@ -1,6 +1,7 @@
 // The step table: two unordered nodes never share a written array (I7), and what derives from the table says the same.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "scheduler/step/access.hpp"
@@ -93,6 +94,55 @@ TEST(ColumnRegistry, NewRowsAreDeadAndSavedColumnsComeBack) {
   }
   EXPECT_GE(w.rows.p[4L * n], k_gone) << "the row behind the last one is dead";
   EXPECT_EQ(w.rows.id[static_cast<std::size_t>(n)], -1);
+}
+
+/// A column whose values tell id and place.
+template <class T>
+struct Marked {
+  Column<T> column;
+  ColumnInfo info;
+  Marked(World& w, const char* name, int width) {
+    info.name = name;
+    info.why = "test";
+    info.width = width;
+    w.rows.columns.add(info, column);
+  }
+  T value(ParticleId id, int k) const { return static_cast<T>(7 * id + k); }
+  void set(const Rows& rows) {
+    for (Row i = 0; i < rows.n; ++i)
+      for (int k = 0; k < info.width; ++k) column[at(i, k)] = value(rows.id[static_cast<std::size_t>(i)], k);
+  }
+  int wrong(const Rows& rows) const {
+    int n = 0;
+    for (Row i = 0; i < rows.n; ++i)
+      for (int k = 0; k < info.width && rows.is_alive(i); ++k)
+        n += column[at(i, k)] == value(rows.id[static_cast<std::size_t>(i)], k) ? 0 : 1;
+    return n;
+  }
+  std::size_t at(Row i, int k) const { return static_cast<std::size_t>(info.width) * static_cast<std::size_t>(i) + k; }
+};
+
+// As many columns as one likes, of any width, go with their rows: also those that do not fit into the buffer together.
+TEST(ColumnRegistry, ColumnsOfAnyNumberAndWidthFollowTheirRowsThroughSortEpochs) {
+  RunOptions o;
+  o.threads = 2;
+  o.chunk = 64;
+  Simulation sim(sheared_bed(), o);
+  World& w = EngineAccess::world(sim);
+  Marked<std::int32_t> three(w, "three", 3);
+  Marked<double> six(w, "six", 6), one(w, "one", 1), four(w, "four", 4);
+  Marked<std::uint8_t> byte(w, "byte", 1), five(w, "five", 5);
+  set_particle_capacity(w.rows, w.rows.n);
+  three.set(w.rows), six.set(w.rows), one.set(w.rows), four.set(w.rows), byte.set(w.rows), five.set(w.rows);
+  const std::vector<ParticleId> before(w.rows.id.begin(), w.rows.id.begin() + w.rows.n);
+  sim.run(k_sort_every + 100);
+  EXPECT_FALSE(std::equal(before.begin(), before.end(), w.rows.id.begin())) << "rows have changed places";
+  EXPECT_EQ(three.wrong(w.rows), 0);
+  EXPECT_EQ(six.wrong(w.rows), 0);
+  EXPECT_EQ(one.wrong(w.rows), 0);
+  EXPECT_EQ(four.wrong(w.rows), 0);
+  EXPECT_EQ(byte.wrong(w.rows), 0);
+  EXPECT_EQ(five.wrong(w.rows), 0);
 }
 
 }  // namespace
