@@ -16,12 +16,19 @@ namespace talus {
 
 struct Simulation::Impl {
   explicit Impl(Start start) : w(std::move(start)) {
+    check_part_limits();
     for (const NodeSpec& n : step_table(w)) {
       auto& names = w.team.times.names;
       const auto id = static_cast<std::size_t>(n.id);
       if (names.size() <= id) names.resize(id + 1);
       names[id] = n.name;
     }
+  }
+  void check_part_limits() const {
+    for (const auto& p : w.parts.all)
+      if (const double most = p->step_limit(view_of(w)); w.rules.scene.dt > most)
+        throw Error(ErrorCode::scene, "time.step is too long for part '" + p->name() + "'", w.rules.scene.file,
+                    "at most " + std::to_string(most) + " s");
   }
   World w;
 };
@@ -99,6 +106,12 @@ Energies Simulation::energies() const { return energies_of(impl_->w); }
 double Simulation::kinetic_energy() const { return kinetic_energy_of(impl_->w.rules, impl_->w.rows); }
 Frame Simulation::frame(const FrameRequest& request) const { return frame_of(impl_->w, request); }
 const std::vector<PlaneTotal>& Simulation::planes() const noexcept { return impl_->w.planes.totals(); }
+std::vector<PartValue> Simulation::part_values() const {
+  std::vector<PartValue> all;
+  for (const auto& p : impl_->w.parts.all)
+    for (PartValue& v : p->values(view_of(impl_->w))) all.push_back(std::move(v));
+  return all;
+}
 std::uint64_t Simulation::planes_hash() const { return impl_->w.planes.hash(); }
 const TimeStepReport& Simulation::time_step() const noexcept { return impl_->w.rules.bounds.time_step; }
 Softening Simulation::softening(double speed) const {

@@ -99,6 +99,12 @@ struct Warning {
   double worst = 0, level = 0;
 };
 
+/// A number that an optional part gives of the present step, a column of the time series.
+struct PartValue {
+  std::string name, unit;
+  double value = 0;
+};
+
 struct FrameRequest {
   bool contacts = false, coordination = false, stress = false, walls = false, wall_loads = false;
 };
@@ -139,6 +145,8 @@ class Simulation {
   Frame frame(const FrameRequest& request = {}) const;
   /// Passages through the scene's flux planes, in its order, counted in every step since the start of the trajectory.
   const std::vector<PlaneTotal>& planes() const noexcept;
+  /// What optional parts say of the present step; their number and names never change in a run.
+  std::vector<PartValue> part_values() const;
   std::uint64_t planes_hash() const;  ///< over the planes and their totals; state_hash() has none of it
   Plan plan() const;
   const TimeStepReport& time_step() const noexcept;  ///< what the construction has judged the step by

@@ -25,6 +25,7 @@ struct ColumnInfo {
   std::vector<double> dead{0};  ///< of rows that nobody lives in: one value for all, or one for each of `width`
   bool moves = true;            ///< goes with its row at a sort epoch; false: made anew after it
   bool saved = false;           ///< in the checkpoint
+  bool output = false;          ///< in particle files, under its name; one double per row
   bool optional = false;        ///< a checkpoint may lack it: rows then hold the dead value
   std::uint64_t hash_seed = 0;  ///< of its own term in the state hash; 0: it has none
 };

@@ -38,6 +38,12 @@ struct Energies {
   double residual = 0;
 };
 
+/// A per-grain column of an optional part.
+struct ExtraColumn {
+  std::string name, unit;
+  std::vector<double> values;
+};
+
 struct Frame {
   std::int64_t step = 0;
   double time = 0;  ///< [s]
@@ -49,6 +55,7 @@ struct Frame {
   std::vector<std::uint8_t> fixed;            ///< empty where nothing is fixed
   std::vector<std::int32_t> coordination;     ///< on request
   std::vector<std::array<double, 6>> stress;  ///< on request: xx yy zz xy xz yz [Pa], sum over contacts of f l / volume
+  std::vector<ExtraColumn> extra;             ///< of optional parts, in the order of their list
   std::vector<ContactRecord> contacts;        ///< on request
   std::vector<WallSurface> walls;             ///< current pose; empty without walls
   std::vector<WallLoad> wall_loads;

@@ -64,6 +64,7 @@ NewParticles Insertion::initial(const WallSet* walls) {
   out.material.reserve(total);
   out.fixed.reserve(total);
   out.group.reserve(total);
+  out.source.reserve(total);
   for (std::size_t s = 0; s < scene_.sources.size(); ++s) {
     append_tiles(s, out);
     state_[s].number += static_cast<std::int64_t>(files_[s].size() * tiles(s));

@@ -22,6 +22,7 @@ struct NewParticles {
   std::vector<std::uint8_t> material;
   std::vector<std::uint8_t> fixed;  ///< 1: frozen
   std::vector<std::int16_t> group;  ///< index into scene.groups or -1
+  std::vector<std::int32_t> source;  ///< index into scene.sources
   std::size_t size() const noexcept { return x.size(); }
 };
 

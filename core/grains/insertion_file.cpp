@@ -100,6 +100,7 @@ void Insertion::append_tiles(std::size_t s, NewParticles& out) const {
         append(out.material, f.material);
         append(out.fixed, f.fixed);
         append(out.group, f.group);
+        out.source.insert(out.source.end(), f.size(), static_cast<std::int32_t>(s));
       }
     }
   }

@@ -113,6 +113,7 @@ void Insertion::deliver(std::size_t s, Vec3 x, double r, NewParticles& out) {
   out.material.push_back(static_cast<std::uint8_t>(source.material));
   out.fixed.push_back(0);
   out.group.push_back(static_cast<std::int16_t>(source.group));
+  out.source.push_back(static_cast<std::int32_t>(s));
   ++state.number;
   state.mass += mass_of(s, r);
 }

@@ -133,6 +133,7 @@ struct Source {
   SizeDistribution size;
   int material = 0;
   Vec3 velocity;                          ///< [m/s]
+  double tracer = 0;                      ///< of its grains (scheduler/parts/tracer.cpp) [-]
   double velocity_jitter = 0;             ///< uniform random in [-j, j] per axis [m/s]
   std::int64_t number = 0;                ///< particles in total (0: not limited by number)
   double mass = 0;                        ///< in total [kg] (0: not limited by mass)
@@ -285,6 +286,7 @@ struct Scene {
   bool allow_unstable_step = false;
   MonitorSettings monitor;
   RelaxSettings relax;
+  double tracer_rate = -1;  ///< at which a contact mixes the tracer [1/s]; negative: no tracer
 
   const PairCoefficients& pair(int a, int b) const { return pairs[a * materials.size() + b]; }
   /// List policy for a scene that names none: velocity_profile where gravity has a component along a periodic axis,

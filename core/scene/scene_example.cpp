@@ -73,7 +73,7 @@ std::string scene_key_example(const SceneKey& key) {
   if (key.section.empty()) s = section_text("", key);
   s += section_text("domain", key) + section_text("time", key);
   // two materials, whose names the sections below give as examples
-  const bool hertz = key.with.find("jkr") != std::string_view::npos;
+  const bool hertz = key.with.find("jkr") != std::string_view::npos || key.only.starts_with("model=hertz");
   const std::string elastic = hertz ? "young = 5e7\npoisson = 0.25\n" : "";
   s += section_text("material", key) + elastic + "[[material]]\nname = \"steel\"\ndensity = 7800\n" + elastic;
   s += contact_text(key);

@@ -57,8 +57,8 @@ void set_skins(const Rules& rules, const Rows& rows, Lists& lists, const Chunk& 
   RowSkins skins(rules, rows, lists, c);
   for (Row i = c.lo; i < c.hi; ++i) {
     const double* x = rows.p.data() + 4L * i;
-    if (!(x[0] < 1e100)) {
-      if (!(x[0] >= 1e100)) out.bad = i;
+    if (!(x[0] < k_far)) {
+      if (!(x[0] >= k_far)) out.bad = i;
       continue;
     }
     const double skin = skins(i);
@@ -113,10 +113,10 @@ std::int32_t cell_of(const GridLevel& g, const double* x) {
 }
 
 /// Turns counts into first positions; start[cells] becomes the total.
-void scan_cells(Lists& lists, Team& team, std::int32_t cells) {
+void scan_cells(CellGrid& grid, Team& team, std::int32_t cells) {
   const int blocks = std::max(1, std::min(team.threads, cells / 65536 + 1));
   std::vector<std::int32_t> first(static_cast<std::size_t>(blocks) + 1, 0);
-  std::int32_t* start = lists.grid.cell_start.data();
+  std::int32_t* start = grid.cell_start.data();
   const auto from = [&](int b) { return static_cast<std::int32_t>(static_cast<std::int64_t>(cells) * b / blocks); };
   if (blocks > 1) {
     parallel(team, blocks, [&](int b) {
@@ -137,29 +137,12 @@ void scan_cells(Lists& lists, Team& team, std::int32_t cells) {
   });
 }
 
-}  // namespace
-
-void fill_cells(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts, Lists& lists,
-                const WallSet& walls, Team& team) {
-  const auto room = static_cast<std::size_t>(rows.n) + 2 * k_pad;
-  for (auto* c : {&lists.grid.sx, &lists.grid.sy, &lists.grid.sz, &lists.grid.sr, &lists.grid.reach})
-    grow_discarding(*c, room);
-  for (auto* c : {&lists.grid.sorted_row, &lists.grid.cell_of_row, &lists.grid.place_in_cell})
-    grow_discarding(*c, room);
-  PartClock parts(lists.seconds);
-  // 1. skins and reference positions; a non-finite coordinate ends the run here at the latest (I9)
-  double extent = 0;
-  for (int k = 0; k < 3; ++k) extent = fmax2(extent, rules.size[k]);
-  // float32 rounding of a coordinate, of a period and of a drift
-  const double slack = 8 * 5.97e-8 * extent + lists.frame.rounding;
-  const double far =
-      lists.skin.cap > 0.5 ? (1.5 * rules.r_max + lists.skin.range(rules.r_max)) * lists.frame.stretch + slack : 0;
-  const LevelLimits limits(rules.r_min, rules.r_max, far);
-  const int chunks = static_cast<int>(contacts.chunks.size());
+/// Skins and reference positions of all rows; a non-finite coordinate ends the run here at the latest (I9).
+ChunkReach set_all_skins(const Rules& rules, const Rows& rows, const Contacts& contacts, Lists& lists,
+                         const WallSet& walls, const LevelLimits& limits, double slack, Team& team) {
   std::vector<ChunkReach> found(contacts.chunks.size());
-  parallel(team, chunks, [&](int q) {
-    const auto k = static_cast<std::size_t>(q);
-    set_skins(rules, rows, lists, *contacts.chunks[k], limits, slack, found[k]);
+  parallel(team, contacts.count(), [&](int q) {
+    set_skins(rules, rows, lists, contacts[q], limits, slack, found[static_cast<std::size_t>(q)]);
   });
   ChunkReach all;
   for (const ChunkReach& f : found) {
@@ -171,63 +154,104 @@ void fill_cells(const Rules& rules, const Clock& clock, const Rows& rows, const 
     if (f.bad >= 0) fail_non_finite(rows, contacts, walls, f.bad);
   }
   lists.frame.mean_skin = rows.alive > 0 ? all.skins / static_cast<double>(rows.alive) : 0;
-  parts.lap(RebuildPart::skin);
-  // 2. cells of the levels that hold particles, one after another
-  int level_at[k_max_levels] = {};
+  return all;
+}
+
+/// Which level of the grid each level of limits is, and the number of all cells.
+struct Levels {
+  int at[k_max_levels] = {};
   std::int32_t cells = 0;
-  lists.grid.levels = 0;
+};
+
+/// Cells of the levels that hold particles, one after another; their counters are zero.
+Levels lay_levels(const Rules& rules, const LevelLimits& limits, const ChunkReach& all, CellGrid& grid, Team& team) {
+  Levels levels;
+  grid.levels = 0;
   for (int l = 0; l < limits.levels; ++l) {
-    level_at[l] = lists.grid.levels;
+    levels.at[l] = grid.levels;
     if (all.count[l] == 0) continue;
-    GridLevel& g = lists.grid.level[lists.grid.levels++];
+    GridLevel& g = grid.level[grid.levels++];
     g = lay_level(rules, all.top[l], all.count[l]);
-    g.first_cell = cells;
-    cells += g.n[0] * g.n[1] * g.n[2];
+    g.first_cell = levels.cells;
+    levels.cells += g.n[0] * g.n[1] * g.n[2];
   }
-  grow_discarding(lists.grid.cell_start, static_cast<std::size_t>(cells) + 1);
-  std::int32_t* count = lists.grid.cell_start.data();
-  const int zero_blocks = std::min(rules.threads, cells / 65536 + 1);
-  parallel(team, zero_blocks, [&](int b) {
-    const std::int64_t from = std::int64_t{cells} * b / zero_blocks, to = std::int64_t{cells} * (b + 1) / zero_blocks;
+  grow_discarding(grid.cell_start, static_cast<std::size_t>(levels.cells) + 1);
+  std::int32_t* count = grid.cell_start.data();
+  const int blocks = std::min(team.threads, levels.cells / 65536 + 1);
+  parallel(team, blocks, [&](int b) {
+    const std::int64_t from = std::int64_t{levels.cells} * b / blocks,
+                       to = std::int64_t{levels.cells} * (b + 1) / blocks;
     std::memset(count + from, 0, static_cast<std::size_t>(to - from) * sizeof(std::int32_t));
   });
-  // 3. counting sort: a row's place in its cell is its turn in counting
-  const bool shared = rules.threads > 1 && chunks > 1;
-  parallel(team, chunks, [&](int q) {
-    const Chunk& c = *contacts.chunks[static_cast<std::size_t>(q)];
+  return levels;
+}
+
+/// First half of a counting sort: a row's place in its cell is its turn in counting.
+void count_rows(const Rows& rows, const Contacts& contacts, const LevelLimits& limits, const Levels& levels,
+                CellGrid& grid, Team& team) {
+  std::int32_t* count = grid.cell_start.data();
+  const bool shared = team.threads > 1 && contacts.count() > 1;
+  parallel(team, contacts.count(), [&](int q) {
+    const Chunk& c = contacts[q];
     for (Row i = c.lo; i < c.hi; ++i) {
       const double* x = rows.p.data() + 4L * i;
-      if (!(x[0] < 1e100)) continue;
+      if (!(x[0] < k_far)) continue;
       const auto k = static_cast<std::size_t>(i);
-      const std::int32_t cell =
-          cell_of(lists.grid.level[limits.levels == 1 ? 0 : level_at[limits(lists.grid.reach[k])]], x);
-      lists.grid.cell_of_row[k] = cell;
-      lists.grid.place_in_cell[k] =
+      const std::int32_t cell = cell_of(grid.level[limits.levels == 1 ? 0 : levels.at[limits(grid.reach[k])]], x);
+      grid.cell_of_row[k] = cell;
+      grid.place_in_cell[k] =
           shared ? std::atomic_ref<std::int32_t>(count[cell]).fetch_add(1, std::memory_order_relaxed) : count[cell]++;
     }
   });
-  parts.lap(RebuildPart::keys);
-  scan_cells(lists, team, cells);
-  parts.lap(RebuildPart::sort);
-  parallel(team, chunks, [&](int q) {
-    const Chunk& c = *contacts.chunks[static_cast<std::size_t>(q)];
+}
+
+/// Second half: rows in the order of their cells, as the search reads them.
+void fill_sorted(const Rows& rows, const Contacts& contacts, CellGrid& grid, Team& team) {
+  parallel(team, contacts.count(), [&](int q) {
+    const Chunk& c = contacts[q];
     for (Row i = c.lo; i < c.hi; ++i) {
       const double* x = rows.p.data() + 4L * i;
-      if (!(x[0] < 1e100)) continue;
+      if (!(x[0] < k_far)) continue;
       const auto row = static_cast<std::size_t>(i);
-      const auto k = static_cast<std::size_t>(
-          lists.grid.cell_start[static_cast<std::size_t>(lists.grid.cell_of_row[row])] + lists.grid.place_in_cell[row]);
-      lists.grid.sx[k] = static_cast<float>(x[0]);
-      lists.grid.sy[k] = static_cast<float>(x[1]);
-      lists.grid.sz[k] = static_cast<float>(x[2]);
-      lists.grid.sr[k] = lists.grid.reach[row];
-      lists.grid.sorted_row[k] = i;
+      const auto k = static_cast<std::size_t>(grid.cell_start[static_cast<std::size_t>(grid.cell_of_row[row])] +
+                                              grid.place_in_cell[row]);
+      grid.sx[k] = static_cast<float>(x[0]);
+      grid.sy[k] = static_cast<float>(x[1]);
+      grid.sz[k] = static_cast<float>(x[2]);
+      grid.sr[k] = grid.reach[row];
+      grid.sorted_row[k] = i;
     }
   });
   for (std::size_t k = static_cast<std::size_t>(rows.alive); k < static_cast<std::size_t>(rows.alive) + k_pad; ++k) {
-    lists.grid.sx[k] = lists.grid.sy[k] = lists.grid.sz[k] = lists.grid.sr[k] = 0;
-    lists.grid.sorted_row[k] = rows.n;
+    grid.sx[k] = grid.sy[k] = grid.sz[k] = grid.sr[k] = 0;
+    grid.sorted_row[k] = rows.n;
   }
+}
+
+}  // namespace
+
+void fill_cells(const Rules& rules, const Rows& rows, const Contacts& contacts, Lists& lists, const WallSet& walls,
+                Team& team) {
+  CellGrid& grid = lists.grid;
+  const auto room = static_cast<std::size_t>(rows.n) + 2 * k_pad;
+  for (auto* c : {&grid.sx, &grid.sy, &grid.sz, &grid.sr, &grid.reach}) grow_discarding(*c, room);
+  for (auto* c : {&grid.sorted_row, &grid.cell_of_row, &grid.place_in_cell}) grow_discarding(*c, room);
+  PartClock parts(lists.seconds);
+  double extent = 0;
+  for (int k = 0; k < 3; ++k) extent = fmax2(extent, rules.size[k]);
+  // float32 rounding of a coordinate, of a period and of a drift
+  const double slack = 8 * 5.97e-8 * extent + lists.frame.rounding;
+  const double far =
+      lists.skin.cap > 0.5 ? (1.5 * rules.r_max + lists.skin.range(rules.r_max)) * lists.frame.stretch + slack : 0;
+  const LevelLimits limits(rules.r_min, rules.r_max, far);
+  const ChunkReach all = set_all_skins(rules, rows, contacts, lists, walls, limits, slack, team);
+  parts.lap(RebuildPart::skin);
+  const Levels levels = lay_levels(rules, limits, all, grid, team);
+  count_rows(rows, contacts, limits, levels, grid, team);
+  parts.lap(RebuildPart::keys);
+  scan_cells(grid, team, levels.cells);
+  parts.lap(RebuildPart::sort);
+  fill_sorted(rows, contacts, grid, team);
   parts.lap(RebuildPart::fill);
 }
 

@@ -20,7 +20,7 @@ bool cut_skins(const Rules& rules, const Rows& rows, Lists& lists, const Chunk& 
   RowSkins wanted(rules, rows, lists, c);
   for (Row i = c.lo; i < c.hi; ++i) {
     const double *x = rows.p.data() + 4L * i, *ref = lists.outer.data() + 4L * i;
-    if (x[0] >= 1e100) {
+    if (x[0] >= k_far) {
       set_near(rules, rows, lists, i, 0);
       continue;
     }
@@ -42,7 +42,7 @@ void set_near(const Rules& rules, const Rows& rows, Lists& lists, Row i, double 
   for (int k = 0; k < 3; ++k) near[k] = x[k];
   const double extent = fmax2(rules.size.x, fmax2(rules.size.y, rules.size.z));
   // rounding of squares and coordinates is in the reach, as in set_skins
-  near[3] = x[0] < 1e100 ? (x[3] + lists.skin.range(x[3]) + skin) * (1 + 1e-12) + 4e-16 * extent : 0.0;
+  near[3] = x[0] < k_far ? (x[3] + lists.skin.range(x[3]) + skin) * (1 + 1e-12) + 4e-16 * extent : 0.0;
 }
 
 Sections cut_sections(const Rules& rules, const Rows& rows, const Lists& lists, Chunk& c, ListScratch& t,

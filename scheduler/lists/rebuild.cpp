@@ -206,7 +206,7 @@ void rebuild_lists(const Rules& rules, const Clock& clock, const Rows& rows, Con
                    Counters& counters, WallSet& walls, Team& team) {
   lists.any_expired.store(false, std::memory_order_relaxed);
   prepare_skins(rules, clock, rows, contacts, lists, team);
-  fill_cells(rules, clock, rows, contacts, lists, walls, team);
+  fill_cells(rules, rows, contacts, lists, walls, team);
   if (rules.has.walls)
     walls.mark(wall_k(rules, lists), rules.scene.dt, 0.0,
                rules.scene.list.policy == ListPolicy::always ? 0.0 : 0.5 * rules.r_min);

@@ -52,8 +52,8 @@ void count_rebuild(const Clock& clock, const Lists& lists, Counters& counters, b
 
 // cell_grid.cpp
 /// Skins and cell grid.
-void fill_cells(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts, Lists& lists,
-                const WallSet& walls, Team& team);
+void fill_cells(const Rules& rules, const Rows& rows, const Contacts& contacts, Lists& lists, const WallSet& walls,
+                Team& team);
 
 // sort_epoch.cpp
 /// Compacts and permutes rows into Morton order; the lists have to be made anew.

@@ -87,7 +87,7 @@ RowSkins::RowSkins(const Rules& rules, const Rows& rows, const Lists& lists, con
 double RowSkins::operator()(Row i) {
   const double *x = rows_.p.data() + 4L * i, *v = rows_.v.data() + static_cast<long>(rules_.stride) * i;
   const double speed2 = (v[0] * v[0] + v[1] * v[1]) + v[2] * v[2];
-  if (!(x[0] < 1e100) || !(x[1] < 1e100) || !(x[2] < 1e100) || !(speed2 < 1e200)) return -1;
+  if (!(x[0] < k_far) || !(x[1] < k_far) || !(x[2] < k_far) || !(speed2 < 1e200)) return -1;
   double a = 0;
   if (acceleration_) {
     const double* u = rows_.v2.data() + static_cast<long>(rules_.stride) * i;
@@ -118,7 +118,7 @@ void note_displacements(const Rules& rules, const Clock& clock, const Rows& rows
       double& next = lists.next_skin[static_cast<std::size_t>(i)];
       const double *x = rows.p.data() + 4L * i, *ref = lists.x0.data() + 4L * i;
       next = -1;  // no past
-      if (i >= lists.frame.rows || !(x[0] < 1e100) || !(ref[3] < 1e100)) continue;
+      if (i >= lists.frame.rows || !(x[0] < k_far) || !(ref[3] < k_far)) continue;
       const double travel = __builtin_sqrt(distance2(rules, x, ref));
       next = fmax2(k_shrink * (__builtin_sqrt(ref[3]) / stored_scale), travel * steps_ahead);
     }
@@ -205,7 +205,7 @@ void travel_chunk(const Rules& rules, const Rows& rows, const Lists& lists, Chun
   bool left = false;
   for (Row i = c.lo; i < c.hi; ++i) {
     const double* x = rows.p2.data() + 4L * i;
-    if (x[0] >= 1e100) continue;  // removed
+    if (x[0] >= k_far) continue;  // removed
     const double d2 = distance2(rules, x, ref + 4L * i);
     left = left || !(d2 < 1e200);  // not a number: as the kernel's check has it
     second = fmax2(second, fmin2(first, d2));

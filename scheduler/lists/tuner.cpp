@@ -132,7 +132,7 @@ SkinTuner::Use SkinTuner::used_skins(const Rules& rules, const Clock& clock, con
     const Row last = std::min(c.hi, lists.frame.rows);  // an insertion may have appended rows since
     for (Row i = c.lo; i < last; ++i) {
       const double *x = rows.p.data() + 4L * i, *ref = lists.x0.data() + 4L * i;
-      if (!(x[0] < 1e100) || !(ref[3] > 0) || !(ref[3] < 1e100)) continue;
+      if (!(x[0] < k_far) || !(ref[3] > 0) || !(ref[3] < k_far)) continue;
       const double size2 = 4 * x[3] * x[3], skin2 = ref[3] / size2,
                    travelled2 = used2(rules, clock, rows, lists, i) / size2;
       const double ratio2 = travelled2 / skin2;

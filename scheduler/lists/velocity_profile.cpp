@@ -70,14 +70,8 @@ std::vector<Vec3> bounded_means(const std::vector<Sum>& node, double most) {
   return value;
 }
 
-}  // namespace
-
-double fit_velocity_profile(const Rules& rules, const Rows& rows, const Contacts& contacts, Lists& lists, Team& team,
-                            double life) {
-  std::vector<Nodes> axes;
-  for (int k = 0; k < 3; ++k)
-    if (!rules.scene.domain.periodic(k)) axes.emplace_back(rules, k);
-  lists.frame.stretch = 1;
+/// At the nodes of all axes, behind the sum over all rows.
+std::vector<Sum> sums_at_nodes(const Rows& rows, const Contacts& contacts, const std::vector<Nodes>& axes, Team& team) {
   // sums by chunk and then over chunks: their order is that of the rows
   const std::size_t chunks = contacts.chunks.size();
   std::vector<std::vector<Sum>> parts(chunks);
@@ -89,7 +83,7 @@ double fit_velocity_profile(const Rules& rules, const Rows& rows, const Contacts
     sum.resize(nodes);
     for (Row i = c.lo; i < c.hi; ++i) {
       if (!rows.is_alive(i)) continue;
-      const double *x = rows.p.data() + 4L * i, *u = rows.v.data() + static_cast<long>(rules.stride) * i;
+      const double *x = rows.p.data() + 4L * i, *u = rows.v.data() + static_cast<long>(rows.stride) * i;
       const Vec3 v{u[0], u[1], u[2]};
       sum[0].velocity = sum[0].velocity + v;
       sum[0].weight += 1;
@@ -111,6 +105,18 @@ double fit_velocity_profile(const Rules& rules, const Rows& rows, const Contacts
       all[k].velocity = all[k].velocity + part[k].velocity;
       all[k].weight += part[k].weight;
     }
+  return all;
+}
+
+}  // namespace
+
+double fit_velocity_profile(const Rules& rules, const Rows& rows, const Contacts& contacts, Lists& lists, Team& team,
+                            double life) {
+  std::vector<Nodes> axes;
+  for (int k = 0; k < 3; ++k)
+    if (!rules.scene.domain.periodic(k)) axes.emplace_back(rules, k);
+  lists.frame.stretch = 1;
+  const std::vector<Sum> all = sums_at_nodes(rows, contacts, axes, team);
   const Nodes* best = nullptr;
   std::vector<Vec3> value;
   double largest = -1;
@@ -136,8 +142,8 @@ double fit_velocity_profile(const Rules& rules, const Rows& rows, const Contacts
     lists.frame.stretch = 1 / (1 - slope * life * (1 + 1e-9));
   }
   for (const Vec3& u : value) fastest = fmax2(fastest, norm(u));
-  parallel(team, static_cast<int>(chunks), [&](int q) {
-    const Chunk& c = *contacts.chunks[static_cast<std::size_t>(q)];
+  parallel(team, contacts.count(), [&](int q) {
+    const Chunk& c = contacts[q];
     for (Row i = c.lo; i < c.hi; ++i) {
       Vec3 u = value[0];
       if (best != nullptr && rows.is_alive(i)) {

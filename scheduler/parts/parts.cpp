@@ -1,10 +1,15 @@
-// The one list of optional parts: a line each. Who calls it: World.
+// The one list of optional parts: two lines each. Who calls it: World.
 #include "scheduler/part.hpp"
 
 namespace talus {
 
-Parts make_parts(const Rules&) {
+// Each returns null where the scene does not want the part.
+std::unique_ptr<Part> make_tracer(const Rules& rules);
+
+Parts make_parts(const Rules& rules) {
   Parts parts;
+  for (const auto make : {make_tracer})
+    if (auto part = make(rules)) parts.all.push_back(std::move(part));
   return parts;
 }
 

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <stdexcept>
 
 #include "scheduler/lists/audit.hpp"
 #include "scheduler/step/step.hpp"
@@ -240,6 +241,11 @@ void run_graph(World& w, std::int64_t target) {
       taking_back(w, [&] { w.team.failure.rethrow(); });
     }
     at_start = w.clock.step < target && rebuilt;
+    // it ends early only to be built anew: a lane that is lost must not become a step that is made twice
+    if (w.clock.step < target && !rebuilt && lanes_of(w) == w.team.lanes) {
+      w.team.failure.mark();
+      throw std::logic_error("the step graph ended within step " + std::to_string(w.clock.step));
+    }
   } while (w.clock.step < target);
 }
 

@@ -31,6 +31,7 @@ using Names = std::vector<Access>;
 
 void run_insert(World& w, Chunk&) {
   apply_events(w.rules, w.clock, w.rows, w.lists, w.ledger, w.counters, w.parts);
+  w.parts.change(w.rules, w.clock, w.rows);
   if (!w.rules.has.insertion || w.insertion->next_step(w.clock.step) != w.clock.step) return;
   const bool came =
       insert_batch(w.rules, w.clock, w.walls, *w.insertion, w.rows, w.contacts, w.ledger, w.counters, w.parts);
@@ -95,13 +96,13 @@ void add(std::vector<NodeSpec>& t, Node id, const char* name, Phase phase, Names
 
 void add_serial(const World& w, std::vector<NodeSpec>& t) {
   const Features& h = w.rules.has;
-  const bool acts = h.insertion || h.events;
+  const bool acts = h.insertion || h.events || w.parts.change_rows();
   add(t, Node::displacement_check, "displacement_check", Phase::decide, {{"results"}, {"x0"}, {"walls"}},
       {{"p"}, {"v"}, {"x0"}, {"counters"}, {"warnings"}}, true, "always",
       [](World& world, Chunk&) { check_step(world); });
   add(t, Node::insert, "insert", Phase::insert, {{"scene"}, {"walls"}, {"p"}},
       {{"p"}, {"v"}, {"x0"}, {"id"}, {"fixed"}, {"gravity"}, {"counters"}, {"chunks"}}, acts,
-      acts ? "sources or events act during the run" : "no source or event acts during the run", run_insert);
+      acts ? "sources, events or parts act during the run" : "no source or event acts during the run", run_insert);
   add(t, Node::sort_epoch, "sort_epoch", Phase::lists, {{"p"}, {"contacts"}, {"history"}},
       {{"order of all rows"}, {"history"}, {"wall history"}, {"x0"}, {"p2"}, {"v2"}, {"chunks"}}, true,
       "every " + std::to_string(w.rules.scene.sort_every) + " steps", run_sort);
@@ -145,9 +146,8 @@ void add_parts(const World& w, PartNode::When when, std::vector<NodeSpec>& t) {
       const Node number{id++};
       if (n.when != when) continue;
       const Phase phase = when == PartNode::When::step ? Phase::finish : Phase::chunk;
-      const auto run = [every = n.every, fn = std::move(n.run), phase](World& world, Chunk& c) {
-        if (phase == Phase::finish && (world.clock.step + 1) % every != 0) return;
-        fn({world.rules, world.clock, world.rows, world.contacts}, c);
+      const auto run = [every = n.every, fn = std::move(n.run)](World& world, Chunk& c) {
+        if ((world.clock.step + 1) % every == 0) fn(view_of(world), c);
       };
       t.push_back({number, n.name, phase, n.reads, n.writes, true, part->name(), run});
     }

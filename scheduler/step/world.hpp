@@ -38,4 +38,6 @@ struct World {
   explicit World(Start start);
 };
 
+inline PartView view_of(const World& w) { return {w.rules, w.clock, w.rows, w.contacts}; }
+
 }  // namespace talus

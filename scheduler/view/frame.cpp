@@ -4,6 +4,7 @@
 // thrown away, made as a resume makes one (I6: state, then a rebuild). So a frame finds every touching pair under every
 // list policy, in the steps in which lists have expired too, and its forces are those that the next step will find.
 #include <algorithm>
+#include <cstring>
 #include <tuple>
 
 #include "core/grains/body.hpp"
@@ -181,6 +182,13 @@ std::vector<std::int32_t> add_particles(const World& w, Frame& f) {
     f.r.push_back(x[3]);
     if (w.rules.has.materials) f.material.push_back(w.rows.material[i]);
     if (w.rules.has.fixed) f.fixed.push_back(w.rows.fixed[i]);
+  }
+  for (const Columns::Entry& e : w.rows.columns.all()) {
+    if (!e.info.in || !e.info.output) continue;
+    ExtraColumn column{e.info.name, e.info.unit, std::vector<double>(order.size())};
+    for (std::size_t k = 0; k < order.size(); ++k)
+      std::memcpy(&column.values[k], e.data() + e.bytes * static_cast<std::size_t>(order[k]), sizeof(double));
+    f.extra.push_back(std::move(column));
   }
   return place;
 }

@@ -224,8 +224,8 @@ TEST(Policies, OnlyThoseThatNeedAnArrayHaveIt) {
   EXPECT_EQ(bytes("local", "drift"), 0);
   EXPECT_EQ(bytes("mean_subtracted", "drift"), 0);
   EXPECT_EQ(bytes("velocity_profile", "drift"), 16);
-  EXPECT_EQ(bytes("local", "outer, near"), 0);
-  EXPECT_EQ(bytes("outer_inner", "outer, near"), 64);
+  EXPECT_EQ(bytes("local", "outer") + bytes("local", "near"), 0);
+  EXPECT_EQ(bytes("outer_inner", "outer") + bytes("outer_inner", "near"), 64);
 }
 
 TEST(Policies, FixedIntervalMissesContactsAndTheAuditCountsThem) {

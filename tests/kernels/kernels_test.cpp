@@ -396,7 +396,7 @@ TEST(Scatter, AddsEveryRowsTermsInListOrder) {
   EXPECT_GT(both_ways, 1000);
 }
 
-// The engine takes the trial wherever it may (World::trial): the limit must not leave a trace of where it was applied.
+// The engine takes the trial wherever it may (LawRules::trial): the limit must not leave a trace of where it was applied.
 TEST(Law, TrialWithLimitedScatterGivesTheBitsOfLawAndScatter) {
   int sliding = 0, sticking = 0;
   for (int variant = 0; variant < 32; ++variant) {

@@ -83,7 +83,7 @@ const Keys<Contact> k_contact(
             "true")
             .only("model=hertz_mindlin|hertz_tsuji")
             .fixed(k_history)
-            .with("friction = 0.5\n"),
+            .with("friction = 0.5\nrestitution = 0.8\n"),
         key("rolling", &ContactLaw::rolling,
             "rolling resistance; cdt: constant moment against the spin; epsd: spring, dashpot and slider (rests "
             "without creep)",
