@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
-#include "core/io/particle_file.hpp"
+#include "core/tables/particle_file.hpp"
 #include "core/scene/scene_file.hpp"
 #include "paths.hpp"
 #include "scheduler/simulation.hpp"

@@ -13,7 +13,7 @@
 #include "core/frame/quantities.hpp"
 #include "core/io/atomic_file.hpp"
 #include "core/io/particle_export.hpp"
-#include "core/io/particle_file.hpp"
+#include "core/tables/particle_file.hpp"
 #include "core/io/particle_frames.hpp"
 #include "core/io/vtkhdf.hpp"
 #include "core/io/vtp.hpp"

@@ -1,5 +1,5 @@
 // See input_file.hpp.
-#include "core/io/input_file.hpp"
+#include "core/base/input_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

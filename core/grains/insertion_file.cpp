@@ -10,7 +10,7 @@
 #include "core/grains/insertion.hpp"
 #include "core/grains/occupied.hpp"
 #include "core/grains/source_walls.hpp"
-#include "core/io/particle_file.hpp"
+#include "core/tables/particle_file.hpp"
 
 namespace talus {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/base/error.hpp"
-#include "core/io/input_file.hpp"
+#include "core/base/input_file.hpp"
 #include "core/io/scratch.hpp"
 
 namespace talus {

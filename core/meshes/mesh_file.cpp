@@ -10,7 +10,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/memory.hpp"
-#include "core/io/input_file.hpp"
+#include "core/base/input_file.hpp"
 #include "core/meshes/mesh_text.hpp"
 
 namespace talus {

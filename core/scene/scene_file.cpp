@@ -3,7 +3,7 @@
 
 #include "core/base/error.hpp"
 #include "core/grains/region.hpp"
-#include "core/io/input_file.hpp"
+#include "core/base/input_file.hpp"
 #include "core/scene/sections/sections.hpp"
 
 namespace talus {

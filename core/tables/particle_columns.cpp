@@ -1,5 +1,5 @@
 // See particle_columns.hpp.
-#include "core/io/particle_columns.hpp"
+#include "core/tables/particle_columns.hpp"
 
 #include <algorithm>
 #include <iterator>

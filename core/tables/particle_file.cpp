@@ -1,5 +1,5 @@
 // Particle files: bytes, compression, and which reader they go to.
-#include "core/io/particle_file.hpp"
+#include "core/tables/particle_file.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -11,9 +11,9 @@
 #include <new>
 
 #include "core/base/error.hpp"
+#include "core/base/input_file.hpp"
 #include "core/base/memory.hpp"
-#include "core/io/input_file.hpp"
-#include "core/io/particle_formats.hpp"
+#include "core/tables/particle_formats.hpp"
 
 namespace talus {
 namespace {

@@ -1,7 +1,7 @@
-// The formats of particle files. Who calls it: core/io/particle_file.cpp only.
+// The formats of particle files. Who calls it: core/tables/particle_file.cpp only.
 #pragma once
 
-#include "core/io/particle_file.hpp"
+#include "core/tables/particle_file.hpp"
 
 namespace talus {
 

@@ -1,10 +1,10 @@
 // See particle_header.hpp.
-#include "core/io/particle_header.hpp"
+#include "core/tables/particle_header.hpp"
 
 #include <array>
 #include <optional>
 
-#include "core/scene/scene_keys.hpp"
+#include "core/base/suggest.hpp"
 
 namespace talus::particle_text {
 

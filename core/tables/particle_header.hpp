@@ -1,12 +1,12 @@
-// The row of names of a particle table, and how its lines are split. Who calls it: core/io/particle_table.cpp.
+// The row of names of a particle table, and how its lines are split. Who calls it: core/tables/particle_table.cpp.
 #pragma once
 
 #include <algorithm>
 #include <deque>
 #include <span>
 
-#include "core/io/particle_columns.hpp"
-#include "core/io/particle_text.hpp"
+#include "core/tables/particle_columns.hpp"
+#include "core/tables/particle_text.hpp"
 
 namespace talus::particle_text {
 

@@ -3,9 +3,9 @@
 #include <array>
 #include <cmath>
 
-#include "core/io/particle_formats.hpp"
-#include "core/io/particle_header.hpp"
-#include "core/scene/scene_keys.hpp"
+#include "core/base/suggest.hpp"
+#include "core/tables/particle_formats.hpp"
+#include "core/tables/particle_header.hpp"
 
 namespace talus {
 namespace {

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
-#include "core/io/particle_columns.hpp"
-#include "core/io/particle_file.hpp"
+#include "core/tables/particle_columns.hpp"
+#include "core/tables/particle_file.hpp"
 
 namespace talus {
 namespace {

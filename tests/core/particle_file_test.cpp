@@ -1,5 +1,5 @@
 // Claims about initial states from CSV and LAMMPS files.
-#include "core/io/particle_file.hpp"
+#include "core/tables/particle_file.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

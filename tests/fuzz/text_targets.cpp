@@ -2,7 +2,7 @@
 #include <string_view>
 
 #include "core/base/error.hpp"
-#include "core/io/particle_file.hpp"
+#include "core/tables/particle_file.hpp"
 #include "core/scene/scene_file.hpp"
 #include "tests/fuzz/targets.hpp"
 

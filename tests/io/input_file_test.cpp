@@ -1,5 +1,5 @@
 // Claims about opening files of users.
-#include "core/io/input_file.hpp"
+#include "core/base/input_file.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/io/particle_file.hpp"
+#include "core/tables/particle_file.hpp"
 #include "core/scene/scene_file.hpp"
 
 namespace talus {
