@@ -1,141 +1,45 @@
-// `talus run SCENE`: the whole life of a run. Everything is validated and built before the folder is created; then the
-// engine runs in slices up to the next output, checkpoint or signal. Invariants: slices and signals change no result;
-// whatever ends the run (success, signal, physical failure) leaves a summary and readable files.
+// `talus run SCENE`: everything is validated and built before the folder is created; then scheduler/run goes through
+// the steps. Invariant: whatever ends the run (success, signal, physical failure) leaves a summary and readable files.
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 
 #include "cases/program/cli.hpp"
 #include "cases/program/cli_console.hpp"
 #include "cases/program/cli_folder.hpp"
-#include "cases/program/cli_outputs.hpp"
-#include "cases/program/cli_schedule.hpp"
 #include "cases/program/cli_signal.hpp"
-#include "cases/program/cli_summary.hpp"
 #include "cases/program/cli_timestep.hpp"
 #include "cases/program/progress.hpp"
 #include "core/base/text.hpp"
 #include "core/scene/scene_forgotten.hpp"
+#include "scheduler/run/run.hpp"
+#include "scheduler/run/summary_of.hpp"
 #include "scheduler/simulation.hpp"
+#include "version.hpp"
 
 namespace talus::cli {
 namespace {
 
-/// Records the steps that --trace-from and --trace-steps name; the file is written as soon as they are over.
-class TraceOnce {
+/// Progress line, signals and warnings of a run on a terminal.
+class Terminal final : public RunWatcher {
  public:
-  TraceOnce(Simulation& simulation, const Options& options)
-      : path_(options.trace),
-        from_(options.trace_from.value_or(simulation.step())),
-        until_(from_ + options.trace_steps) {
-    if (path_.empty()) return;
-    if (until_ <= simulation.step() || from_ >= simulation.scene().steps)
-      throw Error(ErrorCode::usage,
-                  fmt::format("no step of this run ({} to {}) is in the trace", simulation.step(),
-                              simulation.scene().steps - 1),
-                  "--trace-from " + std::to_string(from_));
-    simulation.start_trace(from_, options.trace_steps);
-  }
-  std::int64_t stop(std::int64_t last) const { return path_.empty() ? last : std::min(last, until_); }
-  void after(const Simulation& simulation, bool ending) {
-    if (path_.empty() || (simulation.step() < until_ && !ending)) return;
-    simulation.write_trace(path_);
-    path_.clear();
+  Terminal(const SignalGuard& signals, Progress& progress) : signals_(signals), progress_(progress) {}
+  int stop() override { return signals_.caught(); }
+  void stepped(const Simulation& s) override { progress_.update(s.step(), s.time(), s.particles()); }
+  void warmed_up() override { progress_.restart(); }
+  void warn(const std::string& text) override {
+    tell("{}talus: warning: {}\n", isatty(STDERR_FILENO) != 0 ? "\r\x1b[K" : "", text);
   }
 
  private:
-  std::string path_;
-  std::int64_t from_, until_;
+  const SignalGuard& signals_;
+  Progress& progress_;
 };
-
-struct Outcome {
-  int signal = 0;
-  std::string failure;                  ///< message of the error that ended it
-  ErrorCode code = ErrorCode::physics;  ///< of the failure
-  std::string checkpoint;               ///< the last one
-  double seconds = 0;                   ///< of the timed steps: after --warm, without the closing checkpoint
-};
-
-/// Says each kind of warning once, when it appears.
-class WarningsOnce {
- public:
-  void say(const Simulation& simulation) {
-    for (; said_ < simulation.warnings().size(); ++said_)
-      tell("{}talus: warning: {}\n", isatty(STDERR_FILENO) != 0 ? "\r\x1b[K" : "", simulation.warnings()[said_].text);
-  }
-
- private:
-  std::size_t said_ = 0;
-};
-
-/// After an output that could not be written: the state is good, so it is kept if there is room for it.
-std::string rescue(const Simulation& simulation, RunOutputs& outputs) noexcept {
-  try {
-    return outputs.checkpoint(simulation);
-  } catch (...) {
-    return {};  // the checkpoints before are untouched
-  }
-}
-
-/// The steps up to the last one or a signal, with all that is written meanwhile.
-void advance(const Options& options, const Scene& scene, Simulation& simulation, RunOutputs& outputs,
-             Progress& progress, const SignalGuard& signals, WarningsOnce& warnings, Outcome& outcome) {
-  outputs.write(simulation);
-  Slicer slicer;
-  TraceOnce trace(simulation, options);
-  warnings.say(simulation);
-  // Benchmarks leave out the first steps: first-touch page faults and buffers that still grow are not the code's speed.
-  const std::int64_t warm = simulation.step() + options.warm;
-  while (simulation.step() < scene.steps && signals.caught() == 0) {
-    const std::int64_t step = simulation.step();
-    std::int64_t stop = trace.stop(std::min(scene.steps, outputs.next_stop(step)));
-    if (step < warm) stop = std::min(stop, warm);
-    const std::int64_t count = slicer.next(step, stop > step ? stop : scene.steps);
-    const auto begin = std::chrono::steady_clock::now();
-    simulation.run(count);
-    slicer.measured(count, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-    outputs.write(simulation);
-    warnings.say(simulation);
-    trace.after(simulation, false);
-    progress.update(simulation.step(), simulation.time(), simulation.particles());
-    if (options.warm > 0 && simulation.step() == warm) {
-      progress.restart();
-      simulation.restart_profile();
-    }
-  }
-  outcome.seconds = progress.seconds();
-  outcome.signal = simulation.step() < scene.steps ? signals.caught() : 0;
-  // Also at the end: the state to continue from (more steps, or another scene such as the discharge of a full silo).
-  outcome.checkpoint = outputs.checkpoint(simulation);
-  outputs.check();
-  trace.after(simulation, true);
-}
-
-/// Runs to the last step, a signal, or an error of the physics or of an output.
-Outcome run_to_end(const Options& options, const Scene& scene, Simulation& simulation, RunOutputs& outputs,
-                   Progress& progress, const SignalGuard& signals) {
-  Outcome outcome;
-  WarningsOnce warnings;
-  try {
-    advance(options, scene, simulation, outputs, progress, signals, warnings, outcome);
-  } catch (const Error& e) {
-    if (e.code() != ErrorCode::physics && e.code() != ErrorCode::io) throw;
-    outcome.failure = e.what();
-    outcome.code = e.code();
-    if (outcome.seconds == 0) outcome.seconds = progress.seconds();
-    warnings.say(simulation);
-    outcome.checkpoint =
-        e.code() == ErrorCode::physics ? outputs.dump_failure(simulation) : rescue(simulation, outputs);
-  }
-  progress.finish();
-  return outcome;
-}
 
 /// Messages of a run that failed, and its exit code.
-int tell_failure(const Outcome& outcome, const RunFolder& folder) {
+int tell_failure(const RunOutcome& outcome, const RunFolder& folder) {
   tell("talus: error: {}\n", outcome.failure);
   if (!outcome.checkpoint.empty()) tell("talus: the last state is in {}\n", outcome.checkpoint);
   if (outcome.code == ErrorCode::physics) tell("talus: what was written until then is in {}/\n", folder.dir());
@@ -143,7 +47,7 @@ int tell_failure(const Outcome& outcome, const RunFolder& folder) {
 }
 
 void print_closing(const Options& options, const std::string& folder, const Summary& s, const RunOutputs& outputs,
-                   const Outcome& outcome) {
+                   const RunOutcome& outcome) {
   put("\n{} at step {} (t = {:.6g} s) after {}: {} particles, {:.2f} M particle-steps/s, state hash {:016x}\n",
       outcome.signal != 0 ? "Stopped" : "Done", s.last_step, s.simulated_time, duration_text(s.wall_s),
       grouped(s.particles), s.particle_steps_per_s * 1e-6, s.state_hash);
@@ -224,12 +128,16 @@ int run(const Options& options) {
     for (const auto& [wall, report] : simulation->meshes())
       tell("talus: wall \"{}\", mesh {}: {}\n", shown(wall), shown(report.file), describe(report));
   RunOutputs outputs(folder, *simulation, start.checkpoint ? &*start.checkpoint : nullptr, start.own.has_value(),
-                     options.checkpoint_every, scene_record(start.scene));
+                     options.checkpoint_every, scene_record(start.scene),
+                     [](const std::string& text) { tell("talus: warning: {}\n", text); });
   Progress progress(stderr, Progress::style_for(stderr, options.quiet), first, scene.steps);
-  const Outcome outcome = run_to_end(options, scene, *simulation, outputs, progress, signals);
+  Terminal terminal(signals, progress);
+  const RunOutcome outcome = run_to_end(
+      *simulation, outputs, {options.warm, options.trace, options.trace_from, options.trace_steps}, terminal);
+  progress.finish();
 
-  const Summary summary = summary_of(
-      *simulation, {outcome.seconds, progress.particle_steps(), first, outcome.signal, engine.audit, outcome.failure});
+  const Summary summary = summary_of(*simulation, {outcome.seconds, outcome.particle_steps, first, outcome.signal,
+                                                   engine.audit, outcome.failure, TALUS_FULL_VERSION});
   try {
     write_summary(folder.summary(), summary);
   } catch (const Error&) {
@@ -239,7 +147,7 @@ int run(const Options& options) {
   if (options.json) {
     put_text(summary_json(summary));
   } else {
-    if (options.run.profile) print_profile(simulation->profile(), progress.particle_steps());
+    if (options.run.profile) print_profile(simulation->profile(), outcome.particle_steps);
     if (!options.quiet) print_closing(options, folder.dir(), summary, outputs, outcome);
   }
   return outcome.signal != 0 ? 128 + outcome.signal : 0;

@@ -8,6 +8,7 @@
 
 #include "core/base/det_math.hpp"
 #include "core/grains/insertion.hpp"
+#include "core/scene/duration.hpp"
 
 namespace talus {
 namespace {
@@ -44,10 +45,6 @@ std::size_t tiles_of(const Source& s) {
 }
 
 }  // namespace
-
-double end_of(const Scene& scene) {
-  return scene.steps > 0 && scene.dt > 0 ? scene.dt * static_cast<double>(scene.steps) : k_never;
-}
 
 void Population::add(int material, bool fixed, double smallest, double largest, std::int64_t count) {
   if (count <= 0) return;

@@ -56,7 +56,5 @@ class Population {
 Population population_of(const Scene& scene, double r_min, double r_max);
 /// Velocities that events state, within the scene's duration; of sources other than files.
 void add_stated_velocities(const Scene& scene, Population& population);
-/// End of the run [s]; infinite for a scene without steps.
-double end_of(const Scene& scene);
 
 }  // namespace talus

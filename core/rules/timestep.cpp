@@ -11,6 +11,7 @@
 #include "core/base/error.hpp"
 #include "core/grains/body.hpp"
 #include "core/rules/contact_limits.hpp"
+#include "core/scene/duration.hpp"
 
 namespace talus {
 namespace {

@@ -1,6 +1,8 @@
 // Small functions of the scene's plain data.
 #include "core/scene/scene.hpp"
 
+#include "core/scene/duration.hpp"
+
 namespace talus {
 
 ListPolicy Scene::fitting_policy() const noexcept {
@@ -34,6 +36,10 @@ double SizeDistribution::largest() const noexcept {
     default:
       return max;
   }
+}
+
+double end_of(const Scene& scene) {
+  return scene.steps > 0 && scene.dt > 0 ? scene.dt * static_cast<double>(scene.steps) : k_never;
 }
 
 }  // namespace talus

@@ -56,6 +56,9 @@ std::string section_text(std::string_view section, const SceneKey& key) {
   return s;
 }
 
+/// The laws of Hertz take their stiffness from the materials, and need a restitution.
+bool hertzian(const SceneKey& key) { return value_in(key, "contact", "model") != "linear"; }
+
 /// Lines of [contact]; those that the key brings with it go before those that stand there anyway.
 std::string contact_text(const SceneKey& key) {
   std::string s = section_text("contact", key);
@@ -63,6 +66,7 @@ std::string contact_text(const SceneKey& key) {
     const std::string_view name = line.substr(0, line.find(' '));
     if (s.find("\n" + std::string(name) + " = ") == std::string::npos) s += std::string(line) + "\n";
   }
+  if (hertzian(key) && s.find("\nrestitution") == std::string::npos) s += "restitution = 0.8\n";
   return s;
 }
 
@@ -73,8 +77,7 @@ std::string scene_key_example(const SceneKey& key) {
   if (key.section.empty()) s = section_text("", key);
   s += section_text("domain", key) + section_text("time", key);
   // two materials, whose names the sections below give as examples
-  const bool hertz = key.with.find("jkr") != std::string_view::npos || key.only.starts_with("model=hertz");
-  const std::string elastic = hertz ? "young = 5e7\npoisson = 0.25\n" : "";
+  const std::string elastic = hertzian(key) ? "young = 5e7\npoisson = 0.25\n" : "";
   s += section_text("material", key) + elastic + "[[material]]\nname = \"steel\"\ndensity = 7800\n" + elastic;
   s += contact_text(key);
   s += section_text("source", key);

@@ -11,8 +11,8 @@
 #include <new>
 
 #include "core/base/error.hpp"
-#include "core/base/memory.hpp"
 #include "core/base/input_file.hpp"
+#include "core/base/memory.hpp"
 #include "core/tables/particle_formats.hpp"
 
 namespace talus {

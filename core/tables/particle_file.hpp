@@ -32,8 +32,8 @@ struct ParticleFile {
 ///
 /// Table: a header row that names x, y, z, radius (or diameter) and optionally vx, vy, vz (else 0), wx, wy, wz,
 /// material (by name or by index from 0), fixed, in any order; then one row per particle. Names of other programs are
-/// known (core/io/particle_columns.hpp), other columns are ignored. Separated by comma, semicolon, tab, bar or blanks;
-/// values may be quoted; decimal commas where the separator is none. Comment lines begin with #, % or //.
+/// known (core/tables/particle_columns.hpp), other columns are ignored. Separated by comma, semicolon, tab, bar or
+/// blanks; values may be quoted; decimal commas where the separator is none. Comment lines begin with #, % or //.
 ///
 /// LAMMPS: atom_style sphere, "id type diameter density x y z [image flags]"; type t is material t-1, whose density
 /// must agree to 1e-4. Sections and counts without a meaning for spheres are ignored.

@@ -1,4 +1,4 @@
-// The formats of particle files. Who calls it: core/io/particle_file.cpp only.
+// The formats of particle files. Who calls it: core/tables/particle_file.cpp only.
 #pragma once
 
 #include "core/tables/particle_file.hpp"

@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "core/scene/scene_keys.hpp"
+#include "core/base/suggest.hpp"
 
 namespace talus::particle_text {
 

@@ -1,4 +1,4 @@
-// The row of names of a particle table, and how its lines are split. Who calls it: core/io/particle_table.cpp.
+// The row of names of a particle table, and how its lines are split. Who calls it: core/tables/particle_table.cpp.
 #pragma once
 
 #include <algorithm>

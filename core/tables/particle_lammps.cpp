@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/suggest.hpp"
 #include "core/tables/particle_formats.hpp"
 #include "core/tables/particle_text.hpp"
-#include "core/scene/scene_keys.hpp"
 
 namespace talus {
 namespace {

@@ -3,9 +3,9 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/suggest.hpp"
 #include "core/tables/particle_formats.hpp"
 #include "core/tables/particle_header.hpp"
-#include "core/scene/scene_keys.hpp"
 
 namespace talus {
 namespace {

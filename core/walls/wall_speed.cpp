@@ -2,7 +2,7 @@
 // core/rules/timestep.cpp, scheduler/nodes/monitor.cpp. Nothing here feeds the trajectory.
 #include <cmath>
 
-#include "core/grains/population.hpp"
+#include "core/scene/duration.hpp"
 #include "core/walls/wall_motion.hpp"
 #include "core/walls/wall_set.hpp"
 

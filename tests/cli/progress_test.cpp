@@ -12,8 +12,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "cases/program/cli_schedule.hpp"
 #include "cases/program/cli_signal.hpp"
+#include "scheduler/run/schedule.hpp"
 
 namespace talus::cli {
 namespace {

@@ -5,56 +5,22 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
-#include "paths.hpp"
+#include "tests/layout/sources.hpp"
 
+namespace talus::layout {
 namespace {
-namespace fs = std::filesystem;
 
 struct Include {
   std::string file;    ///< relative to the repository
   std::string target;  ///< as written between the quotes or brackets
 };
 
-/// Targets of all include directives; lines of comments and strings do not start with '#'.
-std::vector<std::string> includes_in(const std::string& text) {
-  std::vector<std::string> found;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    std::size_t at = line.find_first_not_of(" \t");
-    if (at == std::string::npos || line[at] != '#') continue;
-    at = line.find_first_not_of(" \t", at + 1);
-    if (at == std::string::npos || line.compare(at, 7, "include") != 0) continue;
-    const std::size_t open = line.find_first_of("<\"", at + 7);
-    const std::size_t close = open == std::string::npos ? open : line.find_first_of(">\"", open + 1);
-    if (close != std::string::npos) found.push_back(line.substr(open + 1, close - open - 1));
-  }
-  return found;
-}
-
-std::string read(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-bool is_source(const fs::path& path) { return path.extension() == ".cpp" || path.extension() == ".hpp"; }
-
 const std::vector<std::string> k_folders{"core", "kernels", "scheduler", "cases", "tests", "perf"};
-
-std::vector<fs::path> sources_of(const std::string& folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(fs::path(TALUS_SOURCE_DIR) / folder)) {
-    if (entry.is_regular_file() && is_source(entry.path())) files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
 
 std::string top_folder(const std::string& path) { return path.substr(0, path.find('/')); }
 
@@ -63,7 +29,7 @@ const std::vector<Include>& all_includes() {
     std::vector<Include> list;
     for (const std::string& folder : k_folders) {
       for (const fs::path& file : sources_of(folder)) {
-        const std::string name = fs::relative(file, TALUS_SOURCE_DIR).string();
+        const std::string name = name_of(file);
         for (const std::string& target : includes_in(read(file))) list.push_back({name, target});
       }
     }
@@ -211,7 +177,7 @@ TEST(Pages, LinksLeadSomewhereAndPicturesAreSmall) {
             (std::vector<std::string>{"b.md", "e.png"}));
   std::size_t pictures = 0;
   std::vector<fs::path> pages{fs::path(TALUS_SOURCE_DIR) / "README.md"};
-  for (const char* folder : {"cases", "perf", ".github"})
+  for (const char* folder : {"core", "kernels", "scheduler", "cases", "tests", "perf", ".github"})
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(TALUS_SOURCE_DIR) / folder))
       if (entry.path().extension() == ".md") pages.push_back(entry.path());
   for (const fs::path& page : pages)
@@ -241,3 +207,4 @@ TEST(Layout, NothingUnexpectedAtTheTop) {
 }
 
 }  // namespace
+}  // namespace talus::layout

@@ -120,7 +120,7 @@ const Keys<Contact> k_contact(
         key("work_of_adhesion", &PairCoefficients::work_of_adhesion, "J/m2", k_not_negative,
             "w of a pair of surfaces, 2 gamma of like ones; pull-off force 3/2 pi w R*", "0.05")
             .only("model=jkr")
-            .with("model = \"jkr\"\nrestitution = 0.8\n"),
+            .with("model = \"jkr\"\n"),
     });
 
 /// Each line of a coefficient names that of [contact] as what holds without it.
@@ -157,7 +157,7 @@ const Keys<PairCoefficients> k_pair(
         key("work_of_adhesion", &PairCoefficients::work_of_adhesion, "J/m2", k_not_negative,
             "work of adhesion; needs contact.model = jkr", "0.02")
             .absent("(contact.work_of_adhesion)")
-            .with("model = \"jkr\"\nrestitution = 0.8\n"),
+            .with("model = \"jkr\"\n"),
     });
 
 /// Friction of a section: absent -> fallback, "none" -> 0.

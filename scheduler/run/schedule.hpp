@@ -1,13 +1,13 @@
 // When a run stops to write: steps derived from output times, and slices short enough to answer a signal.
-// Called by cli_run.cpp. Invariant: output steps are a function of the scene alone; each time is rounded to a step once
-// (k * every / dt), never summed, so that a resumed run writes at the same steps.
+// Called by scheduler/run/run.cpp. Invariant: output steps are a function of the scene alone; each time is rounded to a
+// step once (k * every / dt), never summed, so that a resumed run writes at the same steps.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
 
-namespace talus::cli {
+namespace talus {
 
 /// Steps of an output that repeats every `every` seconds of simulated time.
 class Repeat {
@@ -65,4 +65,4 @@ class Slicer {
   std::int64_t length_ = 1;
 };
 
-}  // namespace talus::cli
+}  // namespace talus

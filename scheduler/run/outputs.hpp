@@ -1,9 +1,10 @@
-// Everything a run writes while it goes on: particle frames, CSV series, checkpoints. Called by cli_run.cpp; the
-// writers themselves are in core/io. Invariants: what is written at a step is a function of scene and step alone; a
+// Everything a run writes while it goes on: particle frames, CSV series, checkpoints. Called by scheduler/run/run.cpp;
+// the writers themselves are in core/io. Invariants: what is written at a step is a function of scene and step alone; a
 // resumed run first drops what the interrupted one wrote after the checkpoint, then appends.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,7 +13,10 @@
 #include "core/scene/scene.hpp"
 #include "scheduler/simulation.hpp"
 
-namespace talus::cli {
+namespace talus {
+
+/// Takes a sentence for the user.
+using Tell = std::function<void(const std::string&)>;
 
 class RunOutputs {
  public:
@@ -20,7 +24,7 @@ class RunOutputs {
   /// continued (other columns, damaged) are set aside and said. `record`: of the scene, for the checkpoints. Error{io}
   /// names the file.
   RunOutputs(const RunFolder& folder, const Simulation& simulation, const CheckpointReader* checkpoint, bool append,
-             std::int64_t checkpoint_every, std::string record);
+             std::int64_t checkpoint_every, std::string record, const Tell& warn);
   ~RunOutputs();
   /// First step > `step` at which something is written, INT64_MAX if none.
   std::int64_t next_stop(std::int64_t step) const;
@@ -42,4 +46,4 @@ class RunOutputs {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace talus::cli
+}  // namespace talus

@@ -1,5 +1,7 @@
-// Outputs of a run; see cli_outputs.hpp.
-#include "cases/program/cli_outputs.hpp"
+// Outputs of a run; see outputs.hpp.
+#include "scheduler/run/outputs.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -10,16 +12,15 @@
 #include <utility>
 #include <vector>
 
-#include "cases/program/cli_console.hpp"
-#include "cases/program/cli_failure.hpp"
-#include "cases/program/cli_schedule.hpp"
 #include "core/frame/averages.hpp"
 #include "core/frame/quantities.hpp"
 #include "core/io/series.hpp"
 #include "core/io/vtkhdf.hpp"
 #include "core/io/vtp.hpp"
+#include "scheduler/run/failure.hpp"
+#include "scheduler/run/schedule.hpp"
 
-namespace talus::cli {
+namespace talus {
 namespace {
 
 bool walls_change(const Scene& scene) {
@@ -30,22 +31,23 @@ bool walls_change(const Scene& scene) {
 /// The writer that `open` makes: of a new file, or where it is resumed of the file there. One that cannot be continued
 /// is set aside: the trajectory goes on whatever happened to a picture of it.
 template <class Open>
-auto continued(const RunFolder& folder, const std::string& file, std::int64_t resume_step, Open open) {
+auto continued(const RunFolder& folder, const std::string& file, std::int64_t resume_step, const Tell& warn,
+               Open open) {
   if (resume_step < 0) return open(false);
   try {
     return open(true);
   } catch (const CannotContinue& e) {
     const std::string aside = folder.set_aside(file, resume_step);
-    tell("talus: warning: {}; it is now {}, and a new one begins\n", e.why(), aside);
+    warn(fmt::format("{}; it is now {}, and a new one begins", e.why(), aside));
   }
   return open(false);
 }
 
 /// Frames of the interrupted run in a format that this one does not write end here.
-void tell_left(const std::string& file, const char* key, std::int64_t resume_step) {
+void tell_left(const std::string& file, const char* key, std::int64_t resume_step, const Tell& warn) {
   std::error_code ignored;
   if (resume_step >= 0 && std::filesystem::exists(file, ignored))
-    tell("talus: warning: {} is not continued: {} is false\n", file, key);
+    warn(fmt::format("{} is not continued: {} is false", file, key));
 }
 
 /// One kind of picture (particles, walls, contacts) in the formats that the scene asks for.
@@ -54,27 +56,27 @@ class FrameStream {
   using Content = VtkHdfWriter::Content;
   using MakePoly = std::function<PolyData(const Frame&)>;
   FrameStream(const RunFolder& folder, const Scene& scene, const char* stem, Content content, MakePoly poly,
-              std::int64_t resume_step)
+              std::int64_t resume_step, const Tell& warn)
       : poly_(std::move(poly)) {
     const ParticleColumns columns = ParticleColumns::of(scene);
     const std::string file = folder.path(std::string(stem) + ".vtkhdf");
     if (scene.output.vtkhdf) {
-      hdf_ = continued(folder, file, resume_step, [&](bool resume) {
+      hdf_ = continued(folder, file, resume_step, warn, [&](bool resume) {
         return resume ? VtkHdfWriter::resume(file, columns, content, resume_step)
                       : VtkHdfWriter(file, columns, content);
       });
       files_.push_back(file);
     } else {
-      tell_left(file, "output.vtkhdf", resume_step);
+      tell_left(file, "output.vtkhdf", resume_step, warn);
     }
     const std::string list = folder.path(std::string(stem) + ".pvd");
     if (scene.output.vtp) {
-      pvd_ = continued(folder, list, resume_step, [&](bool resume) {
+      pvd_ = continued(folder, list, resume_step, warn, [&](bool resume) {
         return resume ? PvdCollection::resume(folder.dir(), stem, resume_step) : PvdCollection(folder.dir(), stem);
       });
       files_.push_back(list);
     } else {
-      tell_left(list, "output.vtp", resume_step);
+      tell_left(list, "output.vtp", resume_step, warn);
     }
   }
   void write(const Frame& frame) {
@@ -175,7 +177,7 @@ struct RunOutputs::Impl {
 };
 
 RunOutputs::RunOutputs(const RunFolder& folder, const Simulation& simulation, const CheckpointReader* checkpoint,
-                       bool append, std::int64_t checkpoint_every, std::string record)
+                       bool append, std::int64_t checkpoint_every, std::string record, const Tell& warn)
     : impl_(std::make_unique<Impl>(folder, simulation.scene(), checkpoint_every, std::move(record))) {
   Impl& m = *impl_;
   const Scene& scene = m.scene;
@@ -194,12 +196,12 @@ RunOutputs::RunOutputs(const RunFolder& folder, const Simulation& simulation, co
     const ParticleColumns columns = ParticleColumns::of(scene);
     m.particles.emplace(
         folder, scene, "particles", Content::particles, [columns](const Frame& f) { return particle_poly(f, columns); },
-        resume_step);
-    if (!walls.empty()) m.walls.emplace(folder, scene, "walls", Content::walls, wall_poly, resume_step);
+        resume_step, warn);
+    if (!walls.empty()) m.walls.emplace(folder, scene, "walls", Content::walls, wall_poly, resume_step, warn);
     if (scene.output.contacts)
-      m.contacts.emplace(folder, scene, "contacts", Content::contacts, contact_poly, resume_step);
+      m.contacts.emplace(folder, scene, "contacts", Content::contacts, contact_poly, resume_step, warn);
     if (scene.output.grid.on) {
-      m.grid = continued(folder, folder.path("grid.pvd"), resume_step, [&](bool resume) {
+      m.grid = continued(folder, folder.path("grid.pvd"), resume_step, warn, [&](bool resume) {
         return resume ? PvdCollection::resume(folder.dir(), "grid", resume_step, "vti")
                       : PvdCollection(folder.dir(), "grid", "vti");
       });
@@ -208,7 +210,7 @@ RunOutputs::RunOutputs(const RunFolder& folder, const Simulation& simulation, co
   if (m.rows.on()) {
     m.row_needs_frame = !walls.empty() || !scene.output.regions.empty();
     const SeriesLayout layout = SeriesLayout::of(scene, walls);
-    m.series = continued(folder, folder.series(), resume_step, [&](bool resume) {
+    m.series = continued(folder, folder.series(), resume_step, warn, [&](bool resume) {
       return resume ? SeriesWriter::resume(folder.series(), layout, resume_step)
                     : SeriesWriter(folder.series(), layout);
     });
@@ -292,4 +294,4 @@ std::string RunOutputs::paraview_file() const { return impl_->particles ? impl_-
 
 std::string RunOutputs::csv_file() const { return impl_->series ? impl_->folder.series() : ""; }
 
-}  // namespace talus::cli
+}  // namespace talus

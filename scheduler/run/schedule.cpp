@@ -1,12 +1,12 @@
-// Output steps and slice length; see cli_schedule.hpp.
-#include "cases/program/cli_schedule.hpp"
+// Output steps and slice length; see schedule.hpp.
+#include "scheduler/run/schedule.hpp"
 
 #include <algorithm>
 #include <limits>
 
 #include "core/base/count.hpp"
 
-namespace talus::cli {
+namespace talus {
 namespace {
 constexpr std::int64_t k_none = std::numeric_limits<std::int64_t>::max();
 constexpr double k_slice_s = 0.2;     // well below the second within which a signal must be answered
@@ -36,4 +36,4 @@ void Slicer::measured(std::int64_t steps, double seconds) noexcept {
   length_ = count_floor(wanted, 1, count_floor(std::min(limit, 1e8), 1));
 }
 
-}  // namespace talus::cli
+}  // namespace talus

@@ -1,9 +1,7 @@
-// Summary of a run; see cli_summary.hpp.
-#include "cases/program/cli_summary.hpp"
+// Summary of a run; see summary_of.hpp.
+#include "scheduler/run/summary_of.hpp"
 
-#include "version.hpp"
-
-namespace talus::cli {
+namespace talus {
 
 Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   const Scene& scene = simulation.scene();
@@ -12,7 +10,7 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   Summary s;
   s.title = scene.title;
   s.scene_file = scene.file;
-  s.version = TALUS_FULL_VERSION;
+  s.version = facts.version;
   if (facts.signal != 0) s.status = "interrupted";
   if (!facts.failure.empty()) s.status = "failed: " + facts.failure;
   s.particles = simulation.particles();
@@ -75,4 +73,4 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   return s;
 }
 
-}  // namespace talus::cli
+}  // namespace talus

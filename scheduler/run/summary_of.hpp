@@ -1,4 +1,4 @@
-// Fills summary.json from the engine at the end of a run, however it ended. Called by cli_run.cpp.
+// Fills summary.json from the engine at the end of a run, however it ended. Called by scheduler/run/run.cpp.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include "core/io/summary.hpp"
 #include "scheduler/simulation.hpp"
 
-namespace talus::cli {
+namespace talus {
 
 /// How a run went, as far as the engine does not know it.
 struct RunFacts {
@@ -17,8 +17,9 @@ struct RunFacts {
   int signal = 0;        ///< that ended it, or 0
   bool audited = false;  ///< --audit
   std::string failure;   ///< message of a physical failure, or empty
+  std::string version;   ///< of the program
 };
 
 Summary summary_of(const Simulation& simulation, const RunFacts& facts);
 
-}  // namespace talus::cli
+}  // namespace talus

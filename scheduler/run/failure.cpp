@@ -1,5 +1,5 @@
-// See cli_failure.hpp.
-#include "cases/program/cli_failure.hpp"
+// See failure.hpp.
+#include "scheduler/run/failure.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "core/base/error.hpp"
 #include "core/io/atomic_file.hpp"
 
-namespace talus::cli {
+namespace talus {
 
 void write_neighbourhood(const Simulation& simulation, const std::string& path) {
   if (simulation.culprits().empty()) return;
@@ -52,4 +52,4 @@ void write_neighbourhood(const Simulation& simulation, const std::string& path) 
   write_file_atomic(path, text);
 }
 
-}  // namespace talus::cli
+}  // namespace talus
