@@ -39,7 +39,7 @@ Bytes read_whole(const std::string& path, const InputKind& kind) {
   bytes.resize(static_cast<std::size_t>(file.size()));
   bytes.resize(file.read(bytes.data(), bytes.size()));
   // Files of /proc have no size, and a file may grow meanwhile.
-  constexpr std::size_t piece = 1 << 16;
+  const std::size_t piece = file.size() == 0 ? 1 << 16 : 1 << 10;
   while (bytes.size() == file.size() || file.size() == 0) {
     const std::size_t have = bytes.size();
     if (have > kind.most_bytes) break;

@@ -109,7 +109,10 @@ void CheckpointWriter::commit(const std::string& path) const {
   out.finish();
 }
 
-CheckpointReader::CheckpointReader(const std::string& path) : path_(path), bytes_(read_file_bytes(path)) {
+CheckpointReader::CheckpointReader(const std::string& path) : CheckpointReader(path, read_file_bytes(path)) {}
+
+CheckpointReader::CheckpointReader(std::string path, std::vector<std::uint8_t> bytes)
+    : path_(std::move(path)), bytes_(std::move(bytes)) {
   Cursor in(bytes_, path_);
   const char* cure = "resume from the previous checkpoint";
   const auto magic = in.take(k_magic.size(), "magic");

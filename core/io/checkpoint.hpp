@@ -57,6 +57,8 @@ class CheckpointReader {
  public:
   /// Reads and verifies everything before returning. Error{io}: missing, truncated, wrong magic or version, checksum.
   explicit CheckpointReader(const std::string& path);
+  /// The same of the bytes of a file; `path` only names it in errors.
+  CheckpointReader(std::string path, std::vector<std::uint8_t> bytes);
   bool has(std::string_view name) const;
   std::span<const std::uint8_t> section(std::string_view name) const;  ///< Error{io} if absent
   template <class T, class C>

@@ -1,8 +1,10 @@
 // Every target on its corpus and on some mutations of it, in every test run: targets do not rot, and what was found
-// once stays mended. The long runs are those of libFuzzer (tests/fuzz/README.md).
+// once stays mended. TALUS_FULL=1 tries a million mutations of each; the runs that look for new code are those of
+// libFuzzer (tests/fuzz/README.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -81,7 +83,8 @@ TEST_P(Fuzz, CorpusAndMutationsOfItEndInAnAnswer) {
   for (const Case& c : cases) expect_answer(target, c.bytes, c.name);
   const CounterRng rng(11, 5, 0);
   std::uint64_t draw = 0;
-  for (int k = 0; k < 500; ++k) {
+  const int mutations = std::getenv("TALUS_FULL") != nullptr ? 1000000 : 500;
+  for (int k = 0; k < mutations; ++k) {
     const Case& c = cases[static_cast<std::size_t>(k) % cases.size()];
     expect_answer(target, mutated(c.bytes, rng, draw), c.name + ", mutation " + std::to_string(k));
   }
