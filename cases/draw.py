@@ -51,13 +51,15 @@ def view_of(frames, walls, camera=None):
     flat = [camera.project(f["x"])[:, :2] for f in frames]
     low = np.min([np.min(p - f["r"][:, None], axis=0) for p, f in zip(flat, frames)], axis=0)
     high = np.max([np.max(p + f["r"][:, None], axis=0) for p, f in zip(flat, frames)], axis=0)
-    reach = 0.12 * np.max(high - low)  # walls that go on (a floor of the whole domain) are cut off
-    (left, bottom), (right, top) = low, high
+    near, far = 0.12 * np.max(high - low), 0.45 * np.max(high - low)
+    lower, upper = low, high
     for points, _ in walls:
         if len(points):
             p = camera.project(points)[:, :2]
-            left, bottom = np.minimum((left, bottom), np.maximum(p.min(axis=0), low - reach))
-            right, top = np.maximum((right, top), np.minimum(p.max(axis=0), high + reach))
+            # Walls that go on (a floor of the whole domain) are cut off, others shown whole.
+            lower = np.minimum(lower, np.where(p.min(axis=0) > low - far, p.min(axis=0), low - near))
+            upper = np.maximum(upper, np.where(p.max(axis=0) < high + far, p.max(axis=0), high + near))
+    (left, bottom), (right, top) = lower, upper
     margin = 0.02 * max(right - left, top - bottom)
     return camera, (left - margin, right + margin, bottom - margin, top + margin)
 
@@ -97,8 +99,8 @@ def colours_by(what, columns):
     return COLOURS(plt.Normalize(low, top if top > low else low + 1)(values))
 
 
-def save(figure, path):
-    """A small PNG."""
+def small_png(figure):
+    """The figure as a PNG of 256 colours, or as it is where Pillow is missing or that is smaller."""
     out = io.BytesIO()
     figure.savefig(out, format="png", dpi=100, metadata={"Software": None})
     plt.close(figure)
@@ -111,6 +113,12 @@ def save(figure, path):
         data = min(data, out.getvalue(), key=len)
     except ImportError:
         pass
+    return data
+
+
+def save(figure, path):
+    """A small PNG."""
+    data = small_png(figure)
     with open(path + ".part", "wb") as f:
         f.write(data)
     os.replace(path + ".part", path)

@@ -34,6 +34,7 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/TalusConfigVersion.cmake CO
 install(FILES ${CMAKE_BINARY_DIR}/TalusConfig.cmake ${CMAKE_BINARY_DIR}/TalusConfigVersion.cmake DESTINATION ${config})
 
 install(FILES perf/report.py DESTINATION ${share}/perf)
+install(DIRECTORY perf/report DESTINATION ${share}/perf FILES_MATCHING PATTERN "*.py" PATTERN "*.js" PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY cases DESTINATION ${share} FILES_MATCHING
         PATTERN "*.toml" PATTERN "*.stl" PATTERN "*.obj" PATTERN "*.sh" PATTERN "*.py" PATTERN "*.md" PATTERN "*.png"
         PATTERN "__pycache__" EXCLUDE PATTERN "generated" EXCLUDE)

@@ -113,18 +113,20 @@ def picture(points, radii, values, camera, frame, width, colours):
     return np.concatenate([small, alpha / SUPERSAMPLING**2], axis=2)
 
 
-def outlines(points, triangles, camera):
-    """Segments (n, 2, 2) in view coordinates: borders, creases of 25 degrees and more, and silhouettes."""
+def outlines(points, triangles, camera=None):
+    """Segments (n, 2, 2) in view coordinates: borders, creases of 25 degrees and more, and silhouettes. Without a camera
+    segments (n, 2, 3) in space, without silhouettes."""
     points, triangles = np.asarray(points, float), np.asarray(triangles, int)
+    none = np.zeros((0, 2, 2 if camera else 3))
     if len(triangles) == 0:
-        return np.zeros((0, 2, 2))
+        return none
     # STL facets repeat their corners: merge equal points first.
     extent = max(np.ptp(points, axis=0).max(), 1e-300)
     merged, index = np.unique(np.round(points / extent, 7), axis=0, return_inverse=True)
     tri = index.reshape(-1)[triangles]
     tri = tri[(tri[:, 0] != tri[:, 1]) & (tri[:, 1] != tri[:, 2]) & (tri[:, 2] != tri[:, 0])]
     if len(tri) == 0:
-        return np.zeros((0, 2, 2))
+        return none
     corner = merged[tri]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
@@ -142,7 +144,10 @@ def outlines(points, triangles, camera):
     a, b = face[two], face[two + 1]
     flip = np.where(direction[two] == direction[two + 1], -1.0, 1.0)
     cosine = np.einsum("ij,ij->i", normal[a], normal[b]) * flip
-    facing = (normal[a] @ camera.towards) * (normal[b] @ camera.towards) * flip
-    draw[counts == 2] = (cosine < np.cos(np.radians(25))) | ((facing < -1e-9) & (cosine < 1 - 1e-9))
+    creased = cosine < np.cos(np.radians(25))
+    if camera:
+        facing = (normal[a] @ camera.towards) * (normal[b] @ camera.towards) * flip
+        creased |= (facing < -1e-9) & (cosine < 1 - 1e-9)
+    draw[counts == 2] = creased
     chosen = edges[starts[draw]]
-    return (camera.project(merged * extent)[:, :2])[chosen]
+    return (camera.project(merged * extent)[:, :2] if camera else merged * extent)[chosen]

@@ -1,5 +1,6 @@
 // perf/report.py on folders written by the real writers: whole, partly missing, damaged.
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -23,12 +24,17 @@ bool report(const std::string& dir, const std::string& more = "") {
              ("/usr/bin/python3 " TALUS_SOURCE_DIR "/perf/report.py " + dir + " > /dev/null " + more).c_str()) == 0;
 }
 
-RunFolder example(const std::string& dir) {
-  auto f = RunFolder::create(dir, "title = \"<b>grains</b> & more\"\n");
+constexpr const char* k_scene =
+    "title = \"<b>grains</b> & more\"\ngravity = [0, 0, -9.81]\n[domain]\nlower = [0, 0, 0]\nupper = [10, 10, 60]\n";
+
+RunFolder example(const std::string& dir, const std::string& scene = k_scene) {
+  auto f = RunFolder::create(dir, scene);
   VtkHdfWriter p(f.particles(), {}), w(f.walls(), {}, VtkHdfWriter::Content::walls);
   SeriesLayout layout;
   layout.walls = {"floor"};
   layout.planes = {"outlet"};
+  layout.regions = {"core"};
+  layout.region_stress = true;
   SeriesWriter csv(f.series(), layout);
   for (int k = 0; k < 5; ++k) {
     const Frame frame = test::make_frame(10 * k, k == 0 ? 0 : 40 - k, 4);
@@ -42,6 +48,8 @@ RunFolder example(const std::string& dir) {
     row.removed_mass = 0.1 * k;
     row.walls = {{{0, 0, -1.0 * k}, {}}};
     row.planes = {{k, 0, 0.1 * k}};
+    row.regions.resize(1);
+    row.regions[0].stress = {300.0 * k, 600.0 * k, 900.0 * k, 0, 0, 0};
     csv.append(row);
   }
   Summary s;
@@ -160,6 +168,75 @@ TEST(Report, DamagedFilesAreNamed) {
   EXPECT_TRUE(python("check_report.py", f.report() +
                                             " 0 'summary.json cannot be read' 'series.csv cannot be read' "
                                             "'particles over time cannot be read' 'walls over time cannot be read'"));
+}
+
+/// What the plots hand to the script: the numbers of the curve with that label, as text.
+std::string numbers_of(const std::string& page, const std::string& label) {
+  const std::size_t at = page.find("&quot;label&quot;:&quot;" + label + "&quot;");
+  if (at == std::string::npos) return "none";
+  const std::size_t begin = page.find("[", at), end = page.find("]", begin);
+  return page.substr(begin, end - begin + 1);
+}
+
+TEST(Report, ShowsStressOfRegionsAndProfilesOfTheLastFrame) {
+  TemporaryFolder t;
+  const auto f = example(t / "out");
+  ASSERT_TRUE(report(f.dir()));
+  const std::string page = test::slurp(f.report());
+  EXPECT_EQ(numbers_of(page, "xx"), "[0.0,300.0,600.0,900.0,1200.0]");
+  EXPECT_EQ(numbers_of(page, "core").substr(0, 1), "[");
+  EXPECT_NE(page.find("Mean normal stress"), std::string::npos);
+  EXPECT_NE(page.find("[0.0,600.0,1200.0,1800.0,2400.0]"), std::string::npos) << "(xx + yy + zz) / 3";
+  EXPECT_NE(page.find("Size distribution"), std::string::npos);
+  EXPECT_NE(page.find("Solid fraction of the domain"), std::string::npos);
+}
+
+TEST(Report, TheSolidFractionsOfAllLayersMakeTheVolumeOfTheGrains) {
+  EXPECT_EQ(std::system("/usr/bin/python3 " TALUS_SOURCE_DIR "/tests/io/check_profiles.py"), 0);
+}
+
+TEST(Report, ABrowserZoomsReadsValuesAndDrawsSpheres) {
+  TemporaryFolder t;
+  const auto f = example(t / "out");
+  ASSERT_TRUE(report(f.dir()));
+  const int status = std::system(("/usr/bin/python3 " TALUS_SOURCE_DIR "/tests/io/check_browser.py " + f.report() +
+                                  " 'spheres are drawn' 'view 36 grains' 'by diameter, error 0' 'xx: ' > /dev/null")
+                                     .c_str());
+  if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "no chromium here";
+  EXPECT_EQ(status, 0);
+}
+
+TEST(Report, AnIndexComparesRuns) {
+  TemporaryFolder t;
+  std::string folders;
+  for (const char* friction : {"0.2", "0.4", "0.8"}) {
+    const auto f = example(t / friction, std::string(k_scene) + "[contact]\nfriction = " + friction + "\n");
+    folders += f.dir() + " ";
+    Summary s;
+    s.steps = 100 + static_cast<std::int64_t>(folders.size());
+    write_summary(f.summary(), s);
+  }
+  ASSERT_TRUE(report(t / "0.4"));
+  const std::string index = t / "index.html";
+  ASSERT_TRUE(report(folders, "--index " + index + " --figures removed_mass,steps"));
+  EXPECT_TRUE(python("check_report.py", index + " 0 '3 runs' contact.friction 0.2 0.8 removed_mass steps"));
+  const std::string page = test::slurp(index);
+  EXPECT_NE(page.find("href=\"0.4/report.html\""), std::string::npos);
+  EXPECT_EQ(page.find("href=\"0.2/report.html\""), std::string::npos) << "has no report";
+  EXPECT_NE(page.find("&quot;at&quot;:[0.2,0.4,0.8]"), std::string::npos) << "figures over what differs";
+  ASSERT_TRUE(report(folders, "--index " + index)) << "the figures chosen for it";
+  EXPECT_FALSE(report(folders, "--index " + index + " --figures masss 2>/dev/null"));
+  EXPECT_FALSE(report(folders, "2>/dev/null")) << "several folders, no index";
+}
+
+TEST(Report, ReplacesNoFileThatIsNoPage) {
+  TemporaryFolder t;
+  const auto f = example(t / "out");
+  const std::string scene = test::slurp(f.path("scene.toml"));
+  EXPECT_FALSE(report(f.dir(), "--out " + f.path("scene.toml") + " 2>/dev/null"));
+  EXPECT_EQ(test::slurp(f.path("scene.toml")), scene);
+  EXPECT_FALSE(report(f.dir(), "--out /dev/null 2>/dev/null"));
+  EXPECT_TRUE(report(f.dir(), "--out " + t / "page.html") && report(f.dir(), "--out " + t / "page.html"));
 }
 
 TEST(Report, NoFolderIsAnError) { EXPECT_FALSE(report("/nonexistent/run", "2>&1")); }
