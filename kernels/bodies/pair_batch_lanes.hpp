@@ -1,0 +1,46 @@
+// The body of pair_batch.hpp for one value type. Included by kernels/isa/bodies_*.cpp only.
+#pragma once
+
+#include "core/shapes/pair_newton.hpp"
+#include "kernels/bodies/lanes.hpp"
+#include "kernels/bodies/pair_batch.hpp"
+
+namespace talus::kernels {
+
+template <class S>
+void solve_pairs(const PairColumns& c, int most) {
+  using B = typename S::B;
+  for (std::int64_t at = 0; at < c.pairs; at += S::W) {
+    const double* in = c.in + at;
+    const auto take = [&]() {
+      const B v = S::load(in);
+      in += c.stride;
+      return v;
+    };
+    shapes::PairForm<S> p;
+    for (shapes::DualForm<S>* f : {&p.i, &p.j}) {
+      f->axes2.x = take(), f->axes2.y = take(), f->axes2.z = take();
+      f->p1 = take(), f->p2 = take();
+    }
+    for (shapes::Triple<S>& row : p.turn) row.x = take(), row.y = take(), row.z = take();
+    p.d.x = take(), p.d.y = take(), p.d.z = take();
+    p.size = take();
+    shapes::PairState<S> s;
+    s.range = take();
+    s.n.x = take(), s.n.y = take(), s.n.z = take();
+    s.eta = take();
+    s.care = take();
+    s.delta = s.residual = s.step = s.steps = S::set(0);
+    s.xi = {s.delta, s.delta, s.delta};
+    s.done = S::lt(S::set(1), S::set(0));
+    shapes::iterate<S>(p, s, most);
+    double* out = c.out + at;
+    for (const B v : {s.n.x, s.n.y, s.n.z, s.delta, s.xi.x, s.xi.y, s.xi.z, s.residual, s.step, s.steps,
+                      S::select(s.done, S::set(1), S::set(0))}) {
+      S::store(out, v);
+      out += c.stride;
+    }
+  }
+}
+
+}  // namespace talus::kernels

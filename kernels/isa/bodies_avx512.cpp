@@ -1,0 +1,7 @@
+// Pairs of superquadrics compiled for avx512; see kernels/bodies/pair_batch_lanes.hpp.
+#include "kernels/bodies/pair_batch_lanes.hpp"
+
+namespace talus {
+extern const PairSolver k_pair_solver_avx512;
+constinit const PairSolver k_pair_solver_avx512 = kernels::solve_pairs<kernels::Lanes<simd::Avx512>>;
+}  // namespace talus

@@ -1,0 +1,7 @@
+// Pairs of superquadrics compiled for scalar; see kernels/bodies/pair_batch_lanes.hpp.
+#include "kernels/bodies/pair_batch_lanes.hpp"
+
+namespace talus {
+extern const PairSolver k_pair_solver_scalar;
+constinit const PairSolver k_pair_solver_scalar = kernels::solve_pairs<kernels::Lanes<simd::Scalar>>;
+}  // namespace talus
