@@ -149,14 +149,16 @@ std::uint64_t chosen_by(Choose choose) {
 std::span<const ParticleQuantity> particle_quantities() noexcept { return k_particles; }
 std::span<const ContactQuantity> contact_quantities() noexcept { return k_contacts; }
 
-ParticleColumns ParticleColumns::of(const Scene& scene) {
+ParticleColumns ParticleColumns::of(const Scene& scene, const Frame& example) {
   ParticleColumns c;
+  for (const ExtraColumn& e : example.extra) c.extra_.push_back(e.name);
   c.chosen_ = chosen_by([&](const ParticleQuantity& q) { return q.wanted != nullptr && q.wanted(scene); });
   return c;
 }
 
 ParticleColumns ParticleColumns::of(const Frame& frame) {
   ParticleColumns c;
+  for (const ExtraColumn& e : frame.extra) c.extra_.push_back(e.name);
   c.chosen_ = chosen_by([&](const ParticleQuantity& q) { return q.held != nullptr && q.held(frame); });
   return c;
 }
@@ -186,6 +188,12 @@ PolyData particle_poly(const Frame& frame, const ParticleColumns& columns) {
         std::visit([](const auto& v) { return v.size(); }, column.values) / static_cast<std::size_t>(q.components);
     if (rows != n) lacking(rows, q.name, n);
     p.point_data.push_back(std::move(column));
+  }
+  for (const std::string& name : columns.extra()) {
+    const auto e = std::find_if(frame.extra.begin(), frame.extra.end(), [&](const auto& x) { return x.name == name; });
+    std::vector<double> values = e == frame.extra.end() ? std::vector<double>{} : e->values;
+    if (values.size() != n) lacking(values.size(), name, n);
+    p.point_data.push_back({name, 1, std::move(values)});
   }
   return p;
 }

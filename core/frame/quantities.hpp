@@ -6,7 +6,9 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/frame/columns.hpp"
 #include "core/frame/frame.hpp"
@@ -43,16 +45,19 @@ class ParticleColumns {
  public:
   /// Those that are always there.
   ParticleColumns() = default;
-  static ParticleColumns of(const Scene& scene);  ///< what it asks for
+  /// What it asks for; `example`: a frame of its run, for the columns of optional parts.
+  static ParticleColumns of(const Scene& scene, const Frame& example);
   static ParticleColumns of(const Frame& frame);  ///< what it holds
   static ParticleColumns all();
   ParticleColumns without_forces() const;
+  const std::vector<std::string>& extra() const noexcept { return extra_; }  ///< columns of optional parts
   /// `k`: index in particle_quantities().
   bool has(std::size_t k) const noexcept { return always(k) || ((chosen_ >> k) & 1U) != 0; }
 
  private:
   static bool always(std::size_t k) noexcept { return particle_quantities()[k].wanted == nullptr; }
   std::uint64_t chosen_ = 0;
+  std::vector<std::string> extra_;
 };
 
 /// Points with the given columns, as vertices. Error{io} if the frame lacks one of them.

@@ -126,6 +126,7 @@ std::vector<std::string> SeriesLayout::columns() const {
   for (const std::string& r : regions)
     for (const AverageQuantity* q : averages)
       for (std::string& column : column_names(pattern_of(*q), r)) c.push_back(std::move(column));
+  c.insert(c.end(), parts.begin(), parts.end());
   return c;
 }
 
@@ -202,8 +203,8 @@ void SeriesWriter::append(const SeriesRow& row) {
                 fmt::format("row of step {} does not come after the last one ({})", row.step, last_step_), path_,
                 "each step is written once");
   if (row.walls.size() != layout_.walls.size() || row.planes.size() != layout_.planes.size() ||
-      row.regions.size() != layout_.regions.size())
-    throw Error(ErrorCode::io, "row does not fit the columns (walls, planes or regions)", path_,
+      row.regions.size() != layout_.regions.size() || row.parts.size() != layout_.parts.size())
+    throw Error(ErrorCode::io, "row does not fit the columns (walls, planes, regions or parts)", path_,
                 "request the wall loads from the simulation");
   // In the first row nothing lies before: the interval is 0, and with it all means.
   const SeriesRow& before = previous_ ? *previous_ : row;
@@ -219,6 +220,7 @@ void SeriesWriter::append(const SeriesRow& row) {
       q->value(r, values);
       for (int k = 0; k < q->components; ++k) line.add(values[k]);
     }
+  for (const double value : row.parts) line.add(value);
   const std::string text = line.take();
   file_.check();
   if (!write_fully(file_.fd(), text.data(), text.size())) {

@@ -22,6 +22,7 @@ struct SeriesLayout {
   bool inserted = false, wall_contacts = false, energies = false, rotation = false;
   std::vector<const AverageQuantity*> averages = averages_of(Scene{});  ///< of each region
   std::vector<std::string> walls, planes, regions;                      ///< names
+  std::vector<std::string> parts;                                       ///< columns of optional parts
   /// The layout of a scene; `walls` are all wall names in wall order (domain sides included).
   static SeriesLayout of(const Scene& scene, std::vector<std::string> walls);
   std::vector<std::string> columns() const;  ///< header, in order
@@ -38,6 +39,7 @@ struct SeriesRow {
   std::vector<WallLoad> walls;
   std::vector<PlaneTotal> planes;
   std::vector<RegionAverage> regions;
+  std::vector<double> parts;
 };
 
 class SeriesWriter {

@@ -2,9 +2,9 @@
 #include "core/scene/scene_file.hpp"
 
 #include "core/base/error.hpp"
-#include "core/grains/region.hpp"
 #include "core/base/input_file.hpp"
-#include "core/scene/sections/sections.hpp"
+#include "core/grains/region.hpp"
+#include "core/scene/sections/parts.hpp"
 
 namespace talus {
 namespace {
@@ -34,6 +34,7 @@ Scene parse_scene(std::string_view text, std::string name, std::string directory
   read_output(root.section("output"), scene);
   read_checks(root.section("checks"), scene);
   read_relax(root.section("relax"), scene);
+  for (const PartSections* part : part_sections()) part->read(root, scene);
   return scene;
 }
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "core/scene/sections/sections.hpp"
+#include "core/scene/sections/parts.hpp"
 
 namespace talus {
 namespace {
@@ -22,16 +22,23 @@ std::vector<const SectionKeys*> all_sections() {
 struct Tables {
   std::vector<SceneKey> keys;
   std::vector<SceneSection> sections;
+  /// Keys of a section lie together, also those that another class or an optional part adds.
+  void add(const SectionKeys& s) {
+    const std::string_view name = s.section().name;
+    const auto of = [name](const auto& k) { return k.section == name; };
+    if (std::none_of(sections.begin(), sections.end(), [name](const SceneSection& k) { return k.name == name; }))
+      sections.push_back(s.section());
+    const auto last = std::find_if(keys.rbegin(), keys.rend(), of);
+    keys.insert(last == keys.rend() ? keys.end() : last.base(), s.rows().begin(), s.rows().end());
+  }
 };
 
 const Tables& tables() {
   static const Tables all = [] {
     Tables t;
-    for (const SectionKeys* s : all_sections()) {
-      // two classes may share a section
-      if (t.sections.empty() || t.sections.back().name != s->section().name) t.sections.push_back(s->section());
-      t.keys.insert(t.keys.end(), s->rows().begin(), s->rows().end());
-    }
+    for (const SectionKeys* s : all_sections()) t.add(*s);
+    for (const PartSections* part : part_sections())
+      for (const SectionKeys* s : part->keys) t.add(*s);
     return t;
   }();
   return all;

@@ -55,10 +55,9 @@ class FrameStream {
  public:
   using Content = VtkHdfWriter::Content;
   using MakePoly = std::function<PolyData(const Frame&)>;
-  FrameStream(const RunFolder& folder, const Scene& scene, const char* stem, Content content, MakePoly poly,
-              std::int64_t resume_step, const Tell& warn)
+  FrameStream(const RunFolder& folder, const Scene& scene, const char* stem, Content content,
+              const ParticleColumns& columns, MakePoly poly, std::int64_t resume_step, const Tell& warn)
       : poly_(std::move(poly)) {
-    const ParticleColumns columns = ParticleColumns::of(scene);
     const std::string file = folder.path(std::string(stem) + ".vtkhdf");
     if (scene.output.vtkhdf) {
       hdf_ = continued(folder, file, resume_step, warn, [&](bool resume) {
@@ -167,6 +166,7 @@ struct RunOutputs::Impl {
     row.kinetic_energy = simulation.kinetic_energy();
     if (scene.output.energies) row.energies = simulation.energies();
     row.planes = simulation.planes();
+    for (const PartValue& v : simulation.part_values()) row.parts.push_back(v.value);
     if (frame) {
       row.walls = frame->wall_loads;
       for (const auto& average : scene.output.regions)
@@ -189,17 +189,18 @@ RunOutputs::RunOutputs(const RunFolder& folder, const Simulation& simulation, co
   FrameRequest names;
   names.walls = true;
   std::vector<std::string> walls;
-  for (const WallSurface& w : simulation.frame(names).walls) walls.push_back(w.name);
+  const Frame example = simulation.frame(names);
+  for (const WallSurface& w : example.walls) walls.push_back(w.name);
 
   if (m.frames.on()) {
     using Content = VtkHdfWriter::Content;
-    const ParticleColumns columns = ParticleColumns::of(scene);
+    const ParticleColumns columns = ParticleColumns::of(scene, example);
     m.particles.emplace(
-        folder, scene, "particles", Content::particles, [columns](const Frame& f) { return particle_poly(f, columns); },
-        resume_step, warn);
-    if (!walls.empty()) m.walls.emplace(folder, scene, "walls", Content::walls, wall_poly, resume_step, warn);
+        folder, scene, "particles", Content::particles, columns,
+        [columns](const Frame& f) { return particle_poly(f, columns); }, resume_step, warn);
+    if (!walls.empty()) m.walls.emplace(folder, scene, "walls", Content::walls, columns, wall_poly, resume_step, warn);
     if (scene.output.contacts)
-      m.contacts.emplace(folder, scene, "contacts", Content::contacts, contact_poly, resume_step, warn);
+      m.contacts.emplace(folder, scene, "contacts", Content::contacts, columns, contact_poly, resume_step, warn);
     if (scene.output.grid.on) {
       m.grid = continued(folder, folder.path("grid.pvd"), resume_step, warn, [&](bool resume) {
         return resume ? PvdCollection::resume(folder.dir(), "grid", resume_step, "vti")
@@ -209,7 +210,8 @@ RunOutputs::RunOutputs(const RunFolder& folder, const Simulation& simulation, co
   }
   if (m.rows.on()) {
     m.row_needs_frame = !walls.empty() || !scene.output.regions.empty();
-    const SeriesLayout layout = SeriesLayout::of(scene, walls);
+    SeriesLayout layout = SeriesLayout::of(scene, walls);
+    for (const PartValue& v : simulation.part_values()) layout.parts.push_back(v.name);
     m.series = continued(folder, folder.series(), resume_step, warn, [&](bool resume) {
       return resume ? SeriesWriter::resume(folder.series(), layout, resume_step)
                     : SeriesWriter(folder.series(), layout);
@@ -280,8 +282,8 @@ std::string RunOutputs::dump_failure(const Simulation& simulation) noexcept {
     return {};
   }
   try {
-    const ParticleColumns columns = ParticleColumns::of(impl_->scene).without_forces();
     const Frame frame = simulation.frame({});
+    const ParticleColumns columns = ParticleColumns::of(impl_->scene, frame).without_forces();
     write_vtp(impl_->folder.path("failed.vtp"), particle_poly(frame, columns), frame.time);
     write_neighbourhood(simulation, impl_->folder.path("failed_near.csv"));
   } catch (...) {
