@@ -214,6 +214,36 @@ TEST_F(Outputs, AResumeInTheStepOfAFrameAndARowEndsWithTheFilesOfTheUninterrupte
   EXPECT_GT(compared, 25U) << "nine frames of particles, contacts and averages";
 }
 
+TEST_F(Outputs, AnOptionalPartAddsItsColumnsToFramesAndSeriesAlsoAfterAResumeAndNoneWithoutIt) {
+  const std::string scene = rain("csv_every = 0.005\nparticles_every = 0.05\nvtkhdf = true\nvtp = true");
+  write("without.toml", scene);
+  const std::string traced = replaced(scene, "interval = 0.01\n", "interval = 0.01\ntracer = 1\n");
+  write("with.toml", traced + "[tracer]\nrate = 100\n");
+  run("without.toml", "without");
+  run("with.toml", "with");
+  run("with.toml", "half", {}, {"--steps", "10000"});
+  const Result more = talus({"run", "with.toml", "--resume", "half", "--quiet", "--threads", "1"});
+  ASSERT_EQ(more.exit_code, 0) << more.err;
+  EXPECT_EQ(read("half/series.csv"), read("with/series.csv"));
+  Table rows = series("with");
+  for (const char* name : {"tracer.total", "tracer.residual", "tracer.mixing_index"}) {
+    EXPECT_EQ(rows.count(name), 1U) << name;
+    EXPECT_EQ(series("without").count(name), 0U) << name;
+  }
+  EXPECT_NEAR(rows["tracer.total"].back(), rows["particles"].back(), 1e-9);  // all grains carry 1
+  EXPECT_GT(rows["tracer.total"].back(), 10);
+  const std::string last = "/particles_000000020000.vtp";
+  ASSERT_TRUE(exists("with" + last));
+  EXPECT_NE(read("with" + last).find("Name=\"tracer\""), std::string::npos);
+  EXPECT_EQ(read("without" + last).find("Name=\"tracer\""), std::string::npos);
+
+  write("alone.toml", traced);
+  const Result alone = talus({"run", "alone.toml", "--out", "alone"});
+  EXPECT_EQ(alone.exit_code, 3);
+  EXPECT_NE(alone.err.find("source.0.tracer"), std::string::npos) << alone.err;
+  EXPECT_FALSE(exists("alone"));
+}
+
 TEST_F(Outputs, FramesOfContactsUseNoMoreThreadsThanTheRun) {
   write("scene.toml", small_scene(300, "contacts = true\nstress = true\n"));
   Process process(folder, {"run", "scene.toml", "--out", "out", "--quiet", "--threads", "1", "--chunk", "64", "--steps",
