@@ -232,7 +232,7 @@ TEST_F(Outputs, AnOptionalPartAddsItsColumnsToFramesAndSeriesAlsoAfterAResumeAnd
   }
   EXPECT_NEAR(rows["tracer.total"].back(), rows["particles"].back(), 1e-9);  // all grains carry 1
   EXPECT_GT(rows["tracer.total"].back(), 10);
-  const std::string last = "/particles_000000020000.vtp";
+  const std::string last = "/vtp/particles-000000020000.vtp";
   ASSERT_TRUE(exists("with" + last));
   EXPECT_NE(read("with" + last).find("Name=\"tracer\""), std::string::npos);
   EXPECT_EQ(read("without" + last).find("Name=\"tracer\""), std::string::npos);
