@@ -34,7 +34,9 @@ RunFolder example(const std::string& dir, const std::string& scene = k_scene) {
   layout.walls = {"floor"};
   layout.planes = {"outlet"};
   layout.regions = {"core"};
-  layout.region_stress = true;
+  Scene stressed;
+  stressed.output.stress = true;
+  layout.averages = averages_of(stressed);
   SeriesWriter csv(f.series(), layout);
   for (int k = 0; k < 5; ++k) {
     const Frame frame = test::make_frame(10 * k, k == 0 ? 0 : 40 - k, 4);
