@@ -29,6 +29,8 @@ constexpr Alias k_aliases[] = {
     {"particle_diameter", "", "source.size", "diameter", ""},
     {"sigma", "size", "source.size", "stddev", ""},
     {"std", "size", "source.size", "stddev", ""},
+    {"deviation", "size", "source.size", "stddev", ""},
+    {"standard_deviation", "size", "source.size", "stddev", ""},
     {"mu", "", "contact", "friction", ""},
     {"coulomb", "", "contact", "friction", ""},
     {"cof", "", "contact", "friction", ""},
