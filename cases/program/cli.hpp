@@ -22,6 +22,7 @@ struct Options {
   std::string scene;                       ///< SCENE of run, check, explain
   std::vector<std::string> files;          ///< FILE… of info, compare, report; FROM and TO of convert
   std::string frame;                       ///< of convert: all, last or a number
+  std::string index, figures;              ///< of report: the page about several runs, what it shows
   std::string topic, key;                  ///< of help
   std::vector<std::string> set;            ///< section.key=value
   std::string out;                         ///< run folder; empty: results/<scene name>
@@ -33,7 +34,7 @@ struct Options {
   std::optional<std::int64_t> steps;  ///< last step of the run, not the number still to do
   std::int64_t warm = 0;              ///< first steps that wall_s and the rate leave out
   std::int64_t checkpoint_every = 0;  ///< [steps]; 0: only at a signal or a failure
-  double calibrate = 1;               ///< [s] that check spends on measuring; 0: none
+  double calibrate = 2;               ///< [s] that check spends on measuring; 0: none
   RunOptions run;                     ///< threads, isa, chunk, profile
   bool quiet = false, json = false, overwrite = false;
 };

@@ -1,6 +1,6 @@
 // `talus check SCENE`: is the scene valid, is its time step safe, how soft may its contacts be, which K suits it, and
 // how many particles, how much time and how much memory it will need. Builds the engine for step 0 (so initial overlaps
-// and particles outside are found) and runs its first steps for a second to measure their cost; writes nothing.
+// and particles outside are found) and runs its first steps for two seconds to measure their cost; writes nothing.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,10 +8,10 @@
 
 #include "cases/program/cli.hpp"
 #include "cases/program/cli_check_cost.hpp"
+#include "cases/program/cli_check_time.hpp"
 #include "cases/program/cli_console.hpp"
 #include "cases/program/cli_json.hpp"
 #include "cases/program/cli_timestep.hpp"
-#include "cases/program/progress.hpp"
 #include "core/base/count.hpp"
 #include "core/base/memory.hpp"
 #include "core/base/text.hpp"
@@ -24,49 +24,27 @@
 namespace talus::cli {
 namespace {
 
-/// Upper bound of what the sources deliver after step 0 [particles].
-std::int64_t most_to_come(const Scene& scene) {
-  const double duration = scene.dt * static_cast<double>(scene.steps);
-  double total = 0;
-  for (const Source& s : scene.sources) {
-    const bool later = s.kind == Source::Kind::stream ||
-                       (s.start > 0 && (s.kind == Source::Kind::lattice || s.kind == Source::Kind::random));
-    if (!later || s.start >= duration) continue;
-    const double density = scene.materials.at(static_cast<std::size_t>(s.material)).density;
-    const double lightest = Body{0.5 * s.size.smallest(), density}.mass();
-    const double time = std::min(s.end, duration) - s.start;
-    double most = HUGE_VAL;
-    if (s.number > 0) most = std::min(most, static_cast<double>(s.number));
-    if (s.mass > 0) most = std::min(most, s.mass / lightest);
-    if (s.number_rate > 0) most = std::min(most, s.number_rate * time);
-    if (s.mass_rate > 0) most = std::min(most, s.mass_rate * time / lightest);
-    if (std::isfinite(most)) total += most;
-  }
-  return count_ceil(total);
-}
-
 /// What can be said about a scene before it runs.
 struct Advice {
   StepAdvice step;
   Softening soft;
   Cost cost;
   double r_max = 0;
-  double k = 0;                           ///< 0: no rebuild was measured
-  double seconds = 0, seconds_dense = 0;  ///< predicted run time: at the measured cost, and if the bed is dense
+  double k = 0;  ///< 0: no rebuild was measured
+  RunTime time;
 };
 
-Advice advise(const Scene& scene, Simulation& simulation, std::int64_t to_come, double calibrate) {
+Advice advise(const Scene& scene, Simulation& simulation, const Arrivals& arrivals, double calibrate) {
   Advice a;
   a.r_max = Insertion(scene).largest_radius();
   a.step = step_advice(simulation.time_step());
   a.soft = simulation.softening(0);
-  const std::int64_t present = simulation.particles();
+  const std::int64_t before = simulation.particles();
   a.cost = measure_cost(simulation, calibrate);
   a.k = advised_k(a.cost, a.r_max, scene.dt);
-  // sources deliver over time: on average half of what they bring is there
-  const double particles = static_cast<double>(present) + 0.5 * static_cast<double>(to_come);
-  a.seconds = particles * static_cast<double>(scene.steps) * a.cost.per_particle_step;
-  a.seconds_dense = particles * static_cast<double>(scene.steps) * a.cost.dense;
+  // What sources have delivered while it was measured is counted among those to come.
+  const double present = std::min(static_cast<double>(before), static_cast<double>(simulation.particles()));
+  a.time = predict(scene, a.cost, present, arrivals);
   return a;
 }
 
@@ -107,17 +85,6 @@ std::string k_text(const Scene& scene, const Advice& a) {
       a.k, set, a.cost.speed, 1e3 * a.cost.rebuild, 1e3 * a.cost.narrow);
 }
 
-std::string time_text(const Advice& a, int threads) {
-  std::string text = duration_text(a.seconds);
-  if (a.seconds_dense > 1.05 * a.seconds) text += " to " + duration_text(a.seconds_dense);
-  text += fmt::format(" on {} thread{}: ", threads, threads == 1 ? "" : "s");
-  if (!a.cost.stated.empty()) return text + a.cost.stated;
-  text += fmt::format("{:.3g} ns per particle-step in the first {} steps ({:.2g} contacts per particle)",
-                      1e9 * a.cost.per_particle_step, a.cost.steps, a.cost.contacts);
-  if (a.seconds_dense > 1.05 * a.seconds) text += fmt::format(", {:.3g} ns in a dense bed", 1e9 * a.cost.dense);
-  return text;
-}
-
 std::vector<std::string> notes_of_later_sources(const Scene& scene) {
   WallSet walls(in_stored_frame(scene), 1.01 * Insertion(scene).largest_radius());
   return later_shortfalls(scene, walls);
@@ -133,12 +100,13 @@ int check(const Options& options) {
   const TimeStepReport& step = simulation.time_step();
   const Plan plan = simulation.plan();
   const std::int64_t present = simulation.particles();
-  const std::int64_t to_come = most_to_come(scene);
+  const Arrivals arrivals = arrivals_of(scene);
+  const std::int64_t to_come = count_ceil(arrivals.most);
   // The engine holds what is there now; later particles cost what the present ones do, lists included.
   const double memory =
       static_cast<double>(simulation.bytes()) + static_cast<double>(to_come) * plan.bytes_per_particle;
   const std::vector<std::string> later = notes_of_later_sources(scene);
-  const Advice advice = advise(scene, simulation, to_come, options.calibrate);
+  const Advice advice = advise(scene, simulation, arrivals, options.calibrate);
   // What the engine already holds is no longer available to it.
   const AvailableMemory left = available_memory();
   const double room = left.bytes + static_cast<double>(simulation.bytes());
@@ -160,7 +128,8 @@ int check(const Options& options) {
     j.add("overlap", advice.soft.overlap).add("overlap_by", advice.soft.by_impact ? "impact" : "weight");
     j.add("stiffness_factor_for_one_percent", advice.soft.factor).add("time_step_factor", advice.soft.step_factor);
     j.add("verlet_k", advice.k).end_object();
-    j.begin_object("predicted").add("seconds", advice.seconds).add("seconds_dense", advice.seconds_dense);
+    j.begin_object("predicted").add("seconds", advice.time.seconds).add("seconds_outputs", advice.time.outputs);
+    j.add("seconds_loose", advice.time.seconds_loose).add("seconds_dense", advice.time.seconds_dense);
     j.add("ns_per_particle_step", 1e9 * advice.cost.per_particle_step).add("measured_steps", advice.cost.steps);
     j.add("contacts_per_particle", advice.cost.contacts).add("threads", plan.threads);
     j.add("failure", advice.cost.failure).end_object();
@@ -198,7 +167,7 @@ int check(const Options& options) {
   put("  time step\n{}", time_step_text(step));
   put("  advice\n    time step  {}\n    stiffness  {}\n    verlet_k   {}\n",
       step_text(scene, advice.step, step.contact.seconds), soft_text(scene, advice.soft), k_text(scene, advice));
-  put("  run time    about {}\n", time_text(advice, plan.threads));
+  put("  run time    about {}\n", time_text(scene, advice.time, advice.cost, plan.threads));
   for (const std::string& note : forgotten) tell("talus: note: {}\n", note);
   for (const Warning& w : simulation.warnings()) tell("talus: warning: {}\n", w.text);
   for (const std::string& note : later) tell("talus: warning: {}\n", note);

@@ -8,40 +8,82 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "core/io/vtkhdf.hpp"
+#include "core/io/vtp.hpp"
 
 namespace talus::cli {
 namespace {
 
-constexpr double k_stated = 60e-9;      // [s] per particle-step of a dense frictional bed on one thread of a 3 GHz core
-constexpr double k_contact = 8e-9;      // [s] per contact and step, where too few are there to measure
-constexpr double k_dense_contacts = 3;  // per particle: coordination 6
-constexpr std::int64_t k_most_steps = 2000;
+constexpr double k_stated = 60e-9;  // [s] per particle-step of a dense frictional bed on one thread of a 3 GHz core
+constexpr double k_contact =
+    12e-9;  // [s] at most per contact and step on one thread, where too few are there to measure
+constexpr double k_contact_share = 0.8;  // the same beside a step without contacts: slow machines are slow in both
+constexpr double k_dense_contacts = 3;   // per particle: coordination 6
 
-}  // namespace
+using Clock = std::chrono::steady_clock;
+double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-Cost measure_cost(Simulation& simulation, double seconds) {
-  using Clock = std::chrono::steady_clock;
-  Cost c;
-  const Scene& scene = simulation.scene();
-  const std::int64_t last = std::min(scene.steps, simulation.step() + k_most_steps);
-  double particle_steps = 0, spent = 0;
+/// Steps for about `seconds`; the profile and the rate are those of the second half.
+void time_steps(Simulation& simulation, double seconds, Cost& c) {
+  const std::int64_t last = simulation.scene().steps;
+  double work = 0, begun = 0;  // particle-steps and time of the half that counts
   std::int64_t before = 0;
+  bool second = false;
   try {
     // The first steps allocate and touch memory: they are not timed.
     if (seconds > 0) simulation.run(std::min<std::int64_t>(2, last - simulation.step()));
     simulation.restart_profile();
     before = simulation.step();
-    while (spent < seconds && simulation.step() < last) {
+    while (c.spent < seconds && simulation.step() < last) {
+      if (!second && c.spent > 0.5 * seconds) {
+        second = true;
+        begun = c.spent;
+        work = 0;
+        before = simulation.step();
+        simulation.restart_profile();
+      }
       const auto begin = Clock::now();
       const std::int64_t n = std::min<std::int64_t>(10, last - simulation.step());
       simulation.run(n);
-      spent += std::chrono::duration<double>(Clock::now() - begin).count();
-      particle_steps += static_cast<double>(n) * static_cast<double>(simulation.particles());
+      c.spent += since(begin);
+      work += static_cast<double>(n) * static_cast<double>(simulation.particles());
     }
   } catch (const Error& e) {
     c.failure = e.what();
   }
-  c.steps = simulation.step() - before;
+  c.last = simulation.step();
+  c.steps = c.last - before;
+  if (work > 0) c.per_particle_step = (c.spent - begun) / work;
+}
+
+/// What a frame and a row cost, as the run makes them (cli_outputs.cpp); the disk is left out.
+void time_outputs(const Simulation& simulation, Cost& c) {
+  const OutputSettings& out = simulation.scene().output;
+  auto begin = Clock::now();
+  FrameRequest request;
+  request.coordination = out.coordination;
+  request.stress = out.stress;
+  request.contacts = out.contacts;
+  const Frame frame = simulation.frame(request);
+  const PolyData poly = particle_poly(frame, ParticleColumns::of(simulation.scene()));
+  c.frame = since(begin);
+  begin = Clock::now();
+  FrameRequest loads;
+  loads.wall_loads = true;
+  const Frame walls = simulation.frame(loads);
+  volatile double energy = simulation.kinetic_energy();  // is part of a row
+  static_cast<void>(energy);
+  c.row = since(begin);
+  double v2 = 0;
+  for (const Vec3& v : frame.v) v2 += norm2(v);
+  if (!frame.v.empty()) c.speed = std::sqrt(v2 / static_cast<double>(frame.v.size()));
+}
+
+}  // namespace
+
+Cost measure_cost(Simulation& simulation, double seconds) {
+  Cost c;
+  time_steps(simulation, seconds, c);
   const int threads = simulation.plan().threads;
   double force = 0;
   const Counters counters = simulation.counters();
@@ -53,16 +95,13 @@ Cost measure_cost(Simulation& simulation, double seconds) {
   }
   const auto n = static_cast<double>(simulation.particles());
   if (n > 0) {
-    const Frame f = simulation.frame({});
-    double v2 = 0;
-    for (const Vec3& v : f.v) v2 += norm2(v) / n;
-    c.speed = std::sqrt(v2);
+    time_outputs(simulation, c);
     c.contacts = contacts / n;
   }
-  if (particle_steps > 0) {
-    c.per_particle_step = spent / particle_steps;
-    // contact forces scale with the contacts, everything else with the particles
-    const double each = c.contacts > 1 ? force / contacts / threads : k_contact / threads;
+  if (c.per_particle_step > 0) {
+    // Candidates and forces scale with the contacts, everything else with the particles.
+    const double each = c.contacts > 1 ? (force + c.narrow) / contacts / threads
+                                       : std::min(k_contact_share * c.per_particle_step, k_contact / threads);
     c.dense = c.per_particle_step + std::max(0.0, k_dense_contacts - c.contacts) * each;
   } else {
     c.per_particle_step = c.dense = k_stated / threads;

@@ -1,8 +1,11 @@
-// `talus convert FROM TO`: particles of a run in the format of another program, told by the name of TO. Invariant: an
-// existing file is never replaced unless asked, and TO appears whole or not at all.
+// `talus convert FROM TO`: particles in the format of another program, told by the name of TO; FROM is a run, a
+// checkpoint or a file of any of these formats. Invariant: an existing file is never replaced unless asked, and TO
+// appears whole or not at all.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <numeric>
 #include <optional>
 
 #include "cases/program/cli.hpp"
@@ -15,6 +18,7 @@
 #include "core/io/particle_export.hpp"
 #include "core/tables/particle_file.hpp"
 #include "core/io/particle_frames.hpp"
+#include "core/io/text_frames.hpp"
 #include "core/io/vtkhdf.hpp"
 #include "core/io/vtp.hpp"
 #include "scheduler/simulation.hpp"
@@ -47,11 +51,41 @@ const Ending& ending_of(const std::string& path) {
 /// Where frames come from, one after the other.
 struct Input {
   std::optional<ParticleFrames> frames;
-  std::optional<Frame> single;  ///< of a checkpoint or a table
-  std::optional<Scene> scene;   ///< of the run, for box and names
-  std::size_t size() const { return single ? 1 : frames->steps().size(); }
-  Frame frame(std::size_t k) const { return single ? *single : frames->frame(k); }
+  std::optional<Frame> single;     ///< of a checkpoint or a table
+  std::optional<TextFrames> text;  ///< of a dump or XYZ
+  std::optional<Scene> scene;      ///< of the run, for box and names
+  std::size_t size() const { return single ? 1 : text ? text->frames.size() : frames->steps().size(); }
+  Frame frame(std::size_t k) const { return single ? *single : text ? text->frames[k] : frames->frame(k); }
+  std::optional<Domain> domain(std::size_t k) const {
+    if (text) return text->domains[k];
+    return scene ? std::optional<Domain>(scene->domain) : std::nullopt;
+  }
+  std::vector<Material> materials() const {
+    if (!text) return scene ? scene->materials : std::vector<Material>{};
+    std::vector<Material> named(text->species.size());
+    for (std::size_t k = 0; k < named.size(); ++k) named[k].name = text->species[k];
+    return named;
+  }
 };
+
+/// Tables have their rows in any order; writers take them by id.
+void into_id_order(Frame& f) {
+  std::vector<std::size_t> order(f.id.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return f.id[a] < f.id[b]; });
+  const auto arrange = [&order](auto& list) {
+    auto sorted = list;
+    for (std::size_t k = 0; k < list.size(); ++k) sorted[k] = list[order[k]];
+    list = std::move(sorted);
+  };
+  arrange(f.id);
+  arrange(f.x);
+  arrange(f.v);
+  arrange(f.w);
+  arrange(f.r);
+  arrange(f.material);
+  arrange(f.fixed);
+}
 
 Frame frame_of_table(const std::string& path) {
   // Materials by index only: a table alone does not tell their names.
@@ -59,14 +93,31 @@ Frame frame_of_table(const std::string& path) {
   for (std::size_t k = 0; k < unnamed.size(); ++k) unnamed[k].name = fmt::format("M{}", k);
   ParticleFile file = read_particle_file(path, unnamed);
   Frame f;
-  for (std::size_t i = 0; i < file.size(); ++i) f.id.push_back(static_cast<ParticleId>(i));
+  for (const std::string& note : file.notes) tell("talus: note: {}\n", note);
+  f.id = std::move(file.id);
+  for (std::size_t i = f.id.size(); i < file.size(); ++i) f.id.push_back(static_cast<ParticleId>(i));
   f.x = std::move(file.x);
   f.v = std::move(file.v);
   f.w = std::move(file.w);
   f.r = std::move(file.r);
   f.material = std::move(file.material);
   f.fixed = std::move(file.fixed);
+  into_id_order(f);
   return f;
+}
+
+/// The ending without .gz.
+std::string kind_of(const std::string& path) {
+  const fs::path name(path);
+  return name.extension() == ".gz" ? name.stem().extension().string() : name.extension().string();
+}
+bool is_text_frames(const std::string& path) {
+  const std::string kind = kind_of(path);
+  return kind == ".dump" || kind == ".lammpstrj" || kind == ".xyz" || kind == ".extxyz";
+}
+bool is_table(const std::string& path) {
+  const std::string kind = kind_of(path);
+  return kind == ".csv" || kind == ".tsv" || kind == ".txt" || fs::path(path).extension() == ".gz";
 }
 
 Input open_input(const std::string& path, const RunOptions& engine) {
@@ -90,7 +141,10 @@ Input open_input(const std::string& path, const RunOptions& engine) {
   if (extension == ".tcp") {
     const Stored stored = open_stored(path);
     in.single = Simulation(stored.scene, engine, stored.checkpoint).frame({});
-  } else if (extension == ".csv" || extension == ".gz") {
+  } else if (is_text_frames(path)) {
+    in.text = read_text_frames(path);
+    for (const std::string& note : in.text->notes) tell("talus: note: {}\n", note);
+  } else if (is_table(path)) {
     in.single = frame_of_table(path);
   } else {
     in.frames.emplace(file);
@@ -127,16 +181,26 @@ ParticleColumns columns_of(const Input& in, std::size_t first, std::size_t last)
 }
 
 void write_text(const Input& in, Format format, const std::string& to, std::size_t first, std::size_t last) {
-  const auto domain = in.scene ? std::optional<Domain>(in.scene->domain) : std::nullopt;
-  const std::vector<Material> materials = in.scene ? in.scene->materials : std::vector<Material>{};
+  const std::vector<Material> materials = in.materials();
   AtomicFile out(to);
   for (std::size_t k = first; k <= last; ++k) {
     const Frame f = in.frame(k);
     out.write(format == Format::csv    ? csv_text(f)
-              : format == Format::dump ? lammps_dump_text(f, domain)
-                                       : extended_xyz_text(f, domain, materials));
+              : format == Format::dump ? lammps_dump_text(f, in.domain(k))
+                                       : extended_xyz_text(f, in.domain(k), materials));
   }
   out.commit();
+}
+
+/// Columns of the frame that the format does not have, as a list.
+std::string left_out(const Frame& f, Format format) {
+  const bool csv = format == Format::csv, other = format == Format::dump || format == Format::xyz;
+  std::string list;
+  const auto name = [&list](const char* column) { list += (list.empty() ? "" : ", ") + std::string(column); };
+  if (other && !f.fixed.empty()) name("fixed");
+  if (other && !f.coordination.empty()) name("coordination");
+  if ((csv || other) && !f.stress.empty()) name("stress");
+  return list;
 }
 
 void write_pvd(const Input& in, const std::string& to, std::size_t first, std::size_t last,
@@ -191,6 +255,8 @@ int convert(const Options& options) {
       write_vtkhdf(in, to, first, last, columns_of(in, first, last));
       break;
   }
+  if (const std::string lost = left_out(in.frame(first), ending.format); !lost.empty() && !options.quiet)
+    tell("talus: note: {}: this format has no place for {}\n", to, lost);
   if (!options.quiet) put("{}: {} frame{}\n", to, last - first + 1, last == first ? "" : "s");
   return 0;
 }

@@ -183,7 +183,7 @@ int main(int argc, char** argv) {
             cli::check);
   add_scene_options(*sub, o);
   add_engine_options(*sub, o);
-  sub->add_option("--calibrate", o.calibrate, "seconds of first steps to measure their cost; 0 = none (default 1)")
+  sub->add_option("--calibrate", o.calibrate, "seconds of first steps to measure their cost; 0 = none (default 2)")
       ->check(CLI::Range(0.0, 60.0));
   sub->add_flag("--json", o.json, "machine-readable");
 
@@ -200,10 +200,10 @@ int main(int argc, char** argv) {
   sub->add_option("files", o.files, "two checkpoints or run folders")->required()->expected(2);
   sub->add_flag("--json", o.json, "machine-readable");
 
-  sub = add("convert", "particles of a run, frame file or checkpoint as CSV, LAMMPS dump, extended XYZ, VTP or VTKHDF",
+  sub = add("convert", "particles of a run, checkpoint or file as CSV, LAMMPS dump, extended XYZ, VTP or VTKHDF",
             cli::convert);
   sub->add_option("files", o.files,
-                  "FROM: run folder, .pvd, .vtp, .vtkhdf, .tcp, .csv; TO: a name that ends with .csv, "
+                  "FROM: run folder, .tcp, or a file as TO (text also .gz); TO: a name that ends with .csv, "
                   ".dump, .lammpstrj, .xyz, .extxyz, .vtp, .pvd or .vtkhdf")
       ->required()
       ->expected(2);
@@ -211,9 +211,16 @@ int main(int argc, char** argv) {
   sub->add_flag("--overwrite", o.overwrite, "replace TO");
   sub->add_flag("--quiet", o.quiet, "print nothing");
 
-  sub = add("report", "write one self-contained HTML page about a run", cli::report);
-  sub->add_option("folder", o.files, "run folder")->required()->expected(1);
+  sub = add("report", "write one self-contained HTML page about a run, or about many (--index)", cli::report);
+  sub->add_option("folder", o.files, "run folder; several with --index")->required();
   sub->add_option("--out", o.out, "HTML file (default FOLDER/report.html)")->type_name("FILE");
+  sub->add_option("--index", o.index, "one page about all folders: a table, each figure over what differs, series")
+      ->type_name("FILE")
+      ->excludes("--out");
+  sub->add_option("--figures", o.figures,
+                  "of the index: names of summary.json or columns of series.csv (default: chosen)")
+      ->type_name("NAME,…")
+      ->needs("--index");
   sub->add_flag("--quiet", o.quiet, "print nothing");
 
   sub = add("help", "help on a command, on keys (talus help scene [KEY]), on files and columns (talus help output)",

@@ -289,7 +289,10 @@ class Checker {
 
   void check_section(const SceneSection& s, const toml::node& n, const std::string& path) const {
     if (!s.repeated) {
-      if (!n.is_table()) fail_value(ctx_, path, n, fmt::format("must be a table, written [{}]", s.name));
+      if (!n.is_table())
+        fail_value(ctx_, path, n,
+                   fmt::format("must be a table, written [{0}] or {1} = {{ key = value }} (`talus help scene {0}`)",
+                               s.name, s.name.substr(s.name.rfind('.') + 1)));
       return;
     }
     bool tables = n.is_array();

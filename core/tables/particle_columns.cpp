@@ -11,7 +11,7 @@ namespace {
 using Column = ParticleColumn;
 
 constexpr std::string_view k_names[] = {"x",  "y",  "z",        "radius", "vx",       "vy",      "vz",  "wx",
-                                        "wy", "wz", "material", "fixed",  "diameter", "density", "type"};
+                                        "wy", "wz", "material", "fixed",  "diameter", "density", "type", "id"};
 
 // Words that may stand beside what decides; a name with any other word ("initial position x") means nothing here.
 constexpr std::string_view k_filler[] = {"particle", "particles", "grain", "sphere", "centre", "center", "component"};

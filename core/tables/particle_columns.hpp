@@ -7,7 +7,7 @@
 
 namespace talus {
 
-enum class ParticleColumn { x, y, z, radius, vx, vy, vz, wx, wy, wz, material, fixed, diameter, density, type, none };
+enum class ParticleColumn { x, y, z, radius, vx, vy, vz, wx, wy, wz, material, fixed, diameter, density, type, id, none };
 constexpr int k_particle_columns = static_cast<int>(ParticleColumn::none);
 
 struct ColumnMeaning {

@@ -32,7 +32,8 @@ std::optional<std::array<const char*, 2>> foreign(std::string_view text) {
   constexpr Format formats[] = {
       {"\xff\xfe", "the file is UTF-16", utf8},
       {"\xfe\xff", "the file is UTF-16", utf8},
-      {"ITEM:", "the file is a LAMMPS dump", "a data file (write_data), or a CSV file with a header row"},
+      {"ITEM:", "the file is a LAMMPS dump",
+       "`talus convert` makes a CSV file of it; a data file (write_data) is read, too"},
       {"<", "the file is XML", "ParaView saves particles as CSV: File, Save Data"},
       {"# vtk DataFile", "the file is a VTK file", "ParaView saves particles as CSV: File, Save Data"},
       {"\x89HDF", "the file is HDF5", csv},
@@ -48,8 +49,9 @@ std::optional<std::array<const char*, 2>> foreign(std::string_view text) {
   return {};
 }
 
-/// The text of a plain or gzip-compressed file.
-std::string read_bytes(const std::string& path) {
+}  // namespace
+
+std::string read_particle_text(const std::string& path) {
   InputFile input(path, {ErrorCode::scene, "particle file", k_max_bytes, "give the path of a CSV or LAMMPS data file"});
   if (input.size() == 0) throw Error(ErrorCode::scene, "the particle file is empty", path, k_csv_cure);
   const auto refuse_size = [&](double bytes) {
@@ -88,8 +90,6 @@ std::string read_bytes(const std::string& path) {
   }
 }
 
-}  // namespace
-
 ParticleFile parse_particles(std::string_view text, const std::string& name, std::span<const Material> materials) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   if (const auto other = foreign(text)) throw Error(ErrorCode::scene, (*other)[0], name, (*other)[1]);
@@ -113,7 +113,7 @@ std::string box_note(const ParticleFile& file, const std::string& name, Vec3 low
 }
 
 ParticleFile read_particle_file(const std::string& path, std::span<const Material> materials) {
-  return parse_particles(read_bytes(path), path, materials);
+  return parse_particles(read_particle_text(path), path, materials);
 }
 
 }  // namespace talus

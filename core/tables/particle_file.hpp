@@ -21,6 +21,7 @@ struct ParticleFile {
   std::vector<std::uint8_t> material;      ///< empty where the file does not say
   std::vector<std::uint8_t> fixed;         ///< empty where the file does not say
   std::vector<std::int64_t> row;           ///< line in the file, from 1
+  std::vector<std::int64_t> id;            ///< table: empty where the file has none, or none that are unique numbers
   std::optional<std::array<Vec3, 2>> box;  ///< LAMMPS: bounds stated in the file [m]
   std::vector<std::string> notes;          ///< what was ignored or assumed, one line each, with the file's name
   std::size_t size() const noexcept { return x.size(); }
@@ -38,6 +39,9 @@ struct ParticleFile {
 /// LAMMPS: atom_style sphere, "id type diameter density x y z [image flags]"; type t is material t-1, whose density
 /// must agree to 1e-4. Sections and counts without a meaning for spheres are ignored.
 ParticleFile read_particle_file(const std::string& path, std::span<const Material> materials);
+
+/// The text of a plain or gzip-compressed file. Error{scene}: it cannot be read, is empty or too large.
+std::string read_particle_text(const std::string& path);
 
 /// The same from text in memory; `name` stands for the file in messages.
 ParticleFile parse_particles(std::string_view text, const std::string& name, std::span<const Material> materials);

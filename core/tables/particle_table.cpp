@@ -32,6 +32,7 @@ class TableReader {
     while (lines_.next(line))
       if (!line.empty() && !is_comment(line)) row(splitter);
     if (p_.size() == 0) fail(name_, lines_.number(), "no particles", "a header row, then one row per particle");
+    unique_ids();
     if (comma_row_ > 0) p_.notes.push_back(fmt::format("{}: decimal commas are read as decimal points", name_));
     return std::move(p_);
   }
@@ -48,7 +49,8 @@ class TableReader {
     constexpr std::size_t most = 8;
     for (std::size_t k = 0; k < h_.names.size(); ++k) {
       const Column c = h_.meaning[k];
-      const bool looked_at = c != Column::none && c != Column::type && (c != Column::density || checks_density());
+      const bool looked_at =
+          c != Column::none && c != Column::type && c != Column::id && (c != Column::density || checks_density());
       if (looked_at || h_.names[k].empty()) continue;
       if (++count <= most) list += (list.empty() ? "'" : ", '") + shown(h_.names[k], 40) + "'";
     }
@@ -77,6 +79,8 @@ class TableReader {
         material = material_of(fields[k]);
       else if (c == Column::type)
         same_type(fields[k]);
+      else if (c == Column::id)
+        keep_id(fields[k]);
       else
         value[static_cast<std::size_t>(c)] = c == Column::fixed ? flag(k, fields[k]) : number(k, fields[k]);
     }
@@ -159,6 +163,18 @@ class TableReader {
     if (text != type_ && materials_.size() > 1 && !h_.has(Column::material))
       refuse("column 'type' has several values, but does not say which material each is",
              "name the column 'material' (names, or indices from 0)");
+  }
+
+  /// Ids are of use where they are unique numbers; a scene numbers its grains itself.
+  void keep_id(std::string_view text) {
+    std::int64_t id = 0;
+    const bool good = is_number(text, id) && id >= 0;
+    if (good && p_.id.size() == p_.size()) p_.id.push_back(id);
+  }
+  void unique_ids() {
+    std::vector<std::int64_t> sorted = p_.id;
+    std::sort(sorted.begin(), sorted.end());
+    if (p_.id.size() != p_.size() || std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) p_.id.clear();
   }
 
   void add(const std::array<double, k_particle_columns>& value, std::uint8_t material) {

@@ -103,6 +103,96 @@ TEST_F(Convert, ACheckpointAndATableAreReadToo) {
   EXPECT_EQ(read_vtp((folder / "c.vtp").string()).x.size(), 60u);
 }
 
+TEST_F(Convert, EveryTextFormatIsReadBackWithItsBits) {
+  ASSERT_EQ(talus({"convert", "out", "p.dump"}).exit_code, 0);
+  ASSERT_EQ(talus({"convert", "p.dump", "from_dump.vtkhdf"}).exit_code, 0);
+  ASSERT_EQ(talus({"convert", "out", "p.xyz"}).exit_code, 0);
+  ASSERT_EQ(talus({"convert", "p.xyz", "from_xyz.pvd"}).exit_code, 0);
+  const ParticleFrames before((folder / "out/particles.pvd").string());
+  for (const char* file : {"from_dump.vtkhdf", "from_xyz.pvd"}) {
+    const ParticleFrames after((folder / file).string());
+    ASSERT_EQ(after.steps().size(), 9u);
+    for (std::size_t k = 0; k < 9; ++k) {
+      const Frame a = before.frame(k), b = after.frame(k);
+      EXPECT_EQ(a.step, b.step);
+      EXPECT_TRUE(a.id == b.id && a.r == b.r) << file;
+      for (std::size_t i = 0; i < a.x.size(); ++i)
+        EXPECT_EQ(norm2(a.x[i] - b.x[i]) + norm2(a.v[i] - b.v[i]) + norm2(a.w[i] - b.w[i]), 0) << file;
+    }
+  }
+  EXPECT_EQ(ParticleFrames((folder / "from_xyz.pvd").string()).steps()[5].time, before.steps()[5].time);
+  // through all of them and back: box, names and ids stay
+  ASSERT_EQ(talus({"convert", "p.xyz", "q.dump"}).exit_code, 0);
+  EXPECT_EQ(read("q.dump"), read("p.dump"));
+  ASSERT_EQ(talus({"convert", "out", "p.csv"}).exit_code, 0);
+  ASSERT_EQ(talus({"convert", "q.dump", "q.csv"}).exit_code, 0);
+  EXPECT_EQ(read("q.csv").substr(read("q.csv").find('\n')).substr(0, 200),
+            read("p.csv").substr(read("p.csv").find('\n')).substr(0, 200));
+}
+
+TEST_F(Convert, DumpsOfOtherProgramsAreRead) {
+  write("other.dump",
+        "ITEM: UNITS\nsi\nITEM: TIME\n0.25\nITEM: TIMESTEP\n100\nITEM: NUMBER OF ATOMS\n2\n"
+        "ITEM: BOX BOUNDS xy xz yz pp pp ff\n-1 3 0\n0 2 0\n0 10 0\n"
+        "ITEM: ATOMS type id diameter xs ys zs mass\n2 7 0.5 0.25 0.5 0.1 9\n1 3 0.25 0.5 0.5 0.2 9\n");
+  const Result r = talus({"convert", "other.dump", "other.xyz"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.err.find("ignored: mass"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("no velocities"), std::string::npos) << r.err;
+  const auto xyz = lines(read("other.xyz"));
+  EXPECT_NE(xyz[1].find("Origin=\"-1 0 0\" pbc=\"T T F\" Time=0.25 Step=100"), std::string::npos) << xyz[1];
+  EXPECT_EQ(xyz[2], "M0 3 1 1 2 0.125 0 0 0");
+  EXPECT_EQ(xyz[3], "M1 7 0 1 1 0.25 0 0 0");
+  ASSERT_EQ(talus({"convert", "other.dump", "other.csv"}).exit_code, 0);
+  EXPECT_EQ(lines(read("other.csv"))[2].substr(0, 12), "7,0,1,1,0.25");
+}
+
+TEST_F(Convert, ATableKeepsItsIdsWhateverTheirOrder) {
+  write("t.csv", "id,x,y,z,radius\n9,1,2,3,0.5\n4,4,5,6,0.25\n");
+  ASSERT_EQ(talus({"convert", "t.csv", "t.dump"}).exit_code, 0);
+  const auto dump = lines(read("t.dump"));
+  EXPECT_EQ(dump[9].substr(0, 9), "4 1 4 5 6");
+  EXPECT_EQ(dump[10].substr(0, 9), "9 1 1 2 3");
+}
+
+TEST_F(Convert, TextThatIsNoSetOfSpheresIsRefusedWithItsLine) {
+  const std::string head = "ITEM: TIMESTEP\n5\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n";
+  const std::string columns = "ITEM: ATOMS id type x y z radius\n";
+  const std::string row = "1 1 .5 .5 .5 .1\n", next = "2 1 .7 .5 .5 .1\n";
+  struct Case {
+    const char* file;
+    std::string text, said;
+  };
+  const std::vector<Case> cases{
+      {"a.dump", head + "ITEM: ATOMS id type x y z\n1 1 0 0 0\n2 1 0 0 1\n", "no spheres"},
+      {"a.dump", head + columns + row, "ends after 1 of 2"},
+      {"a.dump", head, "cut off"},
+      {"a.dump", head + columns + row + "1 1 .7 .5 .5 .1\n", "id 1 is there twice"},
+      {"a.dump", head + columns + row + "2 1 .7 .5 .5\n", "a.dump:11: 5 values"},
+      {"a.dump", head + columns + row + "2 1 .7 nan .5 .1\n", "not finite"},
+      {"a.dump", head + columns + row + "2 1 .7 .5 .5 0\n", "radius of 0"},
+      {"a.dump", head + columns + row + "2 0 .7 .5 .5 .1\n", "type 0"},
+      {"a.dump", head + columns + row + next + head + columns + row + next, "step 5 comes after step 5"},
+      {"a.dump",
+       "ITEM: TIMESTEP\n5\nITEM: NUMBER OF ATOMS\n0\nITEM: BOX BOUNDS xy xz yz pp pp pp\n0 1 .2\n0 1 0\n0 1 0\n",
+       "skewed"},
+      {"a.dump", "ITEM: TIMESTEP\n5\nITEM: NUMBER OF ENTRIES\n0\n", "is not known"},
+      {"a.xyz", "2\nwater\nO 0 0 0\nH 0 0 1\n", "points, no spheres"},
+      {"a.xyz", "1\nProperties=species:S:1:pos:R:3\nO 0 0 0\n", "no spheres"},
+      {"a.xyz", "1\nProperties=pos:R:3:radius:R:1 Lattice=\"1 .1 0 0 1 0 0 0 1\"\n0 0 0 1\n", "skewed"},
+      {"a.xyz", "two\n", "not a number"},
+      {"a.xyz", "", "empty"},
+  };
+  for (const Case& c : cases) {
+    write(c.file, c.text);
+    const Result r = talus({"convert", c.file, "x.pvd"});
+    EXPECT_EQ(r.exit_code, 5) << c.text << r.err;
+    EXPECT_NE(r.err.find(c.said), std::string::npos) << c.said << "\n" << r.err;
+    EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n') - (r.err.find("note:") != std::string::npos), 1) << r.err;
+    EXPECT_FALSE(exists("x.pvd"));
+  }
+}
+
 TEST_F(Convert, WhatCannotBeConvertedIsRefusedAndLeavesNothing) {
   write("there.csv", "mine");
   write("broken.vtp", "no frame");

@@ -113,7 +113,7 @@ const Keys<SizeDistribution> k_size_keys(
             "0.005")
             .only("kind=normal|lognormal")
             .needed("normal|lognormal", "(required)")
-            .also({{"sigma", "size"}, {"std", "size"}}),
+            .also({{"sigma", "size"}, {"std", "size"}, {"deviation", "size"}, {"standard_deviation", "size"}}),
         key("edges", &SizeDistribution::edges, "m", k_size, "n + 1 ascending diameters that bound n sieve classes",
             "[0.03, 0.04, 0.06]")
             .only("kind=sieve")
