@@ -56,7 +56,7 @@ void time_steps(Simulation& simulation, double seconds, Cost& c) {
   if (work > 0) c.per_particle_step = (c.spent - begun) / work;
 }
 
-/// What a frame and a row cost, as the run makes them (cli_outputs.cpp); the disk is left out.
+/// What a frame and a row cost, as the run makes them (scheduler/run/outputs.cpp); the disk is left out.
 void time_outputs(const Simulation& simulation, Cost& c) {
   const OutputSettings& out = simulation.scene().output;
   auto begin = Clock::now();

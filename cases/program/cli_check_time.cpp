@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cases/program/cli_schedule.hpp"
 #include "cases/program/progress.hpp"
+#include "core/grains/body.hpp"
+#include "scheduler/run/schedule.hpp"
 
 namespace talus::cli {
 namespace {
@@ -31,14 +32,14 @@ double outputs_in(double every, const Scene& scene) {
 }  // namespace
 
 Arrivals arrivals_of(const Scene& scene) {
-  const double pi = 3.14159265358979323846, duration = duration_of(scene);
+  const double duration = duration_of(scene);
   Arrivals a;
   for (const Source& s : scene.sources) {
     const bool later = s.kind == Source::Kind::stream ||
                        (s.start > 0 && (s.kind == Source::Kind::lattice || s.kind == Source::Kind::random));
     if (!later || s.start >= duration) continue;
-    const double d = s.size.smallest();
-    const double lightest = scene.materials.at(static_cast<std::size_t>(s.material)).density * pi / 6 * d * d * d;
+    const double density = scene.materials.at(static_cast<std::size_t>(s.material)).density;
+    const double lightest = Body{0.5 * s.size.smallest(), density}.mass();
     const double end = std::min(s.end, duration), time = end - s.start;
     double most = HUGE_VAL, flow = 0;  // [particles], [1/s]
     if (s.number > 0) most = std::min(most, static_cast<double>(s.number));

@@ -2,7 +2,7 @@
 #include "core/io/text_frames.hpp"
 
 #include "core/base/error.hpp"
-#include "core/io/particle_file.hpp"
+#include "core/tables/particle_file.hpp"
 
 namespace talus {
 

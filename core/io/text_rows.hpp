@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/io/particle_text.hpp"
 #include "core/io/text_frames.hpp"
+#include "core/tables/particle_text.hpp"
 
 namespace talus::text_frames {
 
