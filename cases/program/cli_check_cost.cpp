@@ -65,7 +65,7 @@ void time_outputs(const Simulation& simulation, Cost& c) {
   request.stress = out.stress;
   request.contacts = out.contacts;
   const Frame frame = simulation.frame(request);
-  const PolyData poly = particle_poly(frame, ParticleColumns::of(simulation.scene()));
+  const PolyData poly = particle_poly(frame, ParticleColumns::of(simulation.scene(), frame));
   c.frame = since(begin);
   begin = Clock::now();
   FrameRequest loads;
