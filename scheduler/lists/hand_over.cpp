@@ -59,6 +59,7 @@ void receive_contacts(World& w, int k, Row lo, Row hi, const double* entries, st
     }
     *keys++ = ~std::uint64_t{0};
   }
+  for (int q = 0; q < columns; ++q) std::fill_n(c.h[q].data() + count, k_pad, 0.0);  // whole vectors are read
   w.list_scratch.give(t);
 }
 

@@ -32,10 +32,11 @@
 
 namespace talus {
 
-/// Makes room for n elements and some more; keeps the content (grow_discarding of parallel.hpp does not).
+/// Makes room for n elements and some more; keeps the content (grow_discarding of parallel.hpp does not). New elements
+/// are zero: kernels read whole vectors, also behind the last one that counts.
 template <class T>
 void grow(Column<T>& c, std::size_t n) {
-  if (c.size() < n) c.resize(n + n / 8 + 64);
+  if (c.size() < n) c.resize(n + n / 8 + 64, T{});
 }
 
 inline constexpr double k_gone = 1e150;  ///< coordinate of removed rows: touches nothing, stays finite
