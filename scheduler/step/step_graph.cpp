@@ -34,6 +34,7 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <stdexcept>
 
 #include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
@@ -533,6 +534,11 @@ void run_graph(World& w, std::int64_t target) {
       std::rethrow_exception(e);
     }
     running = w.step < target;
+    // it ends early only to be built anew: a lane that is lost must not become a step that is made twice
+    if (running && !rebuilt && lanes_of(w) == w.graph_lanes) {
+      w.failed.store(true);
+      throw std::logic_error("the step graph ended within " + at_step(w));
+    }
     enter_at_start = running && rebuilt;  // the graph stopped between rebuild and start
   }
 }
