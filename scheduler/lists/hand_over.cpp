@@ -62,6 +62,8 @@ void receive_contacts(const Rules& rules, Contacts& contacts, Team& team, int k,
     }
     *keys++ = ~std::uint64_t{0};
   }
+  // whole vectors are read
+  for (int q = 0; q < columns; ++q) std::fill_n(c.contacts.h[q].data() + count, k_pad, 0.0);
   team.list_scratch.give(t);
 }
 

@@ -12,10 +12,11 @@
 
 namespace talus {
 
-/// Makes room for n elements and some more; keeps the content.
+/// Makes room for n elements and some more; keeps the content. New elements are zero: kernels read whole vectors, also
+/// behind the last one that counts.
 template <class T>
 void grow(Column<T>& c, std::size_t n) {
-  if (c.size() < n) c.resize(n + n / 8 + 64);
+  if (c.size() < n) c.resize(n + n / 8 + 64, T{});
 }
 
 /// Makes room for n elements and some more; the content is lost where it has to grow.

@@ -30,6 +30,30 @@ TEST(PhysicsMotion, FreeFallIsExact) {
   EXPECT_LT(worst, 1e-12);
 }
 
+TEST(PhysicsMotion, GrainsLeaveThroughEveryOpenSideInTheStepInWhichTheyCrossIt) {
+  for (const bool turning : {false, true}) {
+    const double dt = 1e-3, speed = 10;
+    Scene s = open_scene({-1, -2, -3}, {1, 2, 3}, dt);
+    linear_law(s, 100, 0, turning ? 20 : 0, 0, turning ? 0.5 : 0);
+    std::vector<Grain> grains = {{{0, 0, 0}, {0, 0, 0}, 0.05}};
+    for (int a = 0; a < 3; ++a)
+      for (const double way : {-1.0, 1.0}) {
+        Grain g{{0, 0, 0}, {0, 0, 0}, 0.05};
+        g.x[a] = way * (s.domain.upper[a] - 3.5 * speed * dt);
+        g.v[a] = way * speed;
+        grains.push_back(g);
+      }
+    add_grains(s, grains);
+    Simulation sim(s, options());
+    sim.run(3);
+    EXPECT_EQ(sim.counters().removed, 0) << "3 of 3.5 steps";
+    sim.run(1);
+    EXPECT_EQ(sim.counters().removed, 6);
+    EXPECT_EQ(sim.particles(), 1);
+    EXPECT_EQ(sim.frame().id, std::vector<ParticleId>{0}) << "the one in the middle";
+  }
+}
+
 TEST(PhysicsMotion, WallReturnsTheRestitution) {
   for (const double e : {0.2, 0.5, 0.8, 1.0}) {
     const double r = 0.1, m = sphere_mass(2500, r),
