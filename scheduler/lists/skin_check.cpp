@@ -1,33 +1,4 @@
-// See skin_check.hpp. Why each policy is exact (s: skin of a list made at step m, now step n; R: radius):
-// - The list holds all pairs with |x_i - x_j|(m) <= R_i + s_i + R_j + s_j. A pair that touches now was at most
-//   R_i + R_j + |d_i - d_j| apart, d the displacements since m, so |d_i - d_j| <= s_i + s_j for all pairs suffices.
-//   uniform, paper, local, ...: |d_i| <= s_i each.
-// - two_largest: |d_i - d_j| <= |d_i| + |d_j| <= (two largest) <= 2 s.
-// - accumulated: |d_i| <= sum over steps of |x_i(k+1) - x_i(k)| <= sum of the largest of each step <= s. Travels are
-//   taken from the stored positions, so that rounding, relaxation and wrapping are in them.
-// - mean_subtracted: with any vector D that is the same for all particles, |d_i - d_j| <= |d_i - D| + |d_j - D|, hence
-//   |d_i - D| <= s_i each suffices; D = u t with u the mean velocity at m and t = (n - m) dt, but nothing depends on
-//   what u is. Pairs see differences only: a uniform drift costs nothing, fixed particles are particles with speed |u|
-//   in this frame. Walls do not share the frame: |d_i| <= s_i + |D|, so they are listed within R_i + s_i + |u| T and
-//   the list expires when t > T (ListFrame::life); without walls T is unbounded.
-// - velocity_profile: the same with a drift u(z) that varies along one open axis, D_i = u(z_i(m)) t. With g the largest
-//   slope of u, |D_i - D_j| <= g t |z_i - z_j|(m) <= g T |x_i - x_j|(m), so a pair that touches now was apart by at
-//   most R_i + R_j + s_i + s_j + g T |x_i - x_j|(m): pairs within (R_i + s_i + R_j + s_j) / (1 - g T) suffice, which is
-//   ListFrame::stretch times the reaches of local. T = K dt, and u is bounded so that the stretch is at most
-//   k_most_stretch. A dense shear flow then lasts as long as its fluctuations allow, not its mean flow.
-//   Wrapping: x, x0 and D are known modulo the period L; d_i - D_i was at most s_i <= L/4 one step ago and grows by
-//   less than L/4 per step (a step of more than a radius stops the run), so its minimum image is itself.
-// - displacement_history (the idea of Yade's collider): a skin is max(0.9 old skin, travel K / elapsed), so it follows
-//   what a particle does, not its speed of the moment: one that shakes keeps a skin of its amplitude, and one that
-//   rests loses its own within some rebuilds. As for local nothing depends on where skins come from: |d_i| <= s_i is
-//   checked. A row without a past (start, resume, inserted) takes K |v| dt.
-// - outer_inner: at step m an outer list is made with skins S_i >= s_i; at a later step k, in place of a rebuild, the
-//   inner list is cut out of it: the pairs of the outer list within R_i + s_i + R_j + s_j at k, with fresh skins
-//   s_i <= S_i - |x_i(k) - x_i(m)|. While |x_i - x_i(k)| <= s_i, |x_i - x_i(m)| <= S_i: a pair that touches is in the
-//   outer list, and was within reach at k. So the inner check is all that has to be checked. A row that is left less
-//   than a quarter of the skin it should have ends the outer list, and so does all else that forces a rebuild. Walls
-//   keep the candidates of the outer list, made with S_i.
-// - Walls: listed within R_i + SkinRule::to_walls(s_i) + wall skin, and each of the two travels is checked.
+// See skin_check.hpp; why each policy is exact stands in scheduler/lists/README.md.
 #include "scheduler/lists/skin_check.hpp"
 
 #include <algorithm>
