@@ -37,6 +37,7 @@ struct Options {
   double calibrate = 2;               ///< [s] that check spends on measuring; 0: none
   RunOptions run;                     ///< threads, isa, chunk, profile
   bool quiet = false, json = false, overwrite = false;
+  bool advise = false;  ///< of grain
 };
 
 int run(const Options& options);
@@ -46,6 +47,7 @@ int info(const Options& options);
 int compare(const Options& options);
 int convert(const Options& options);
 int report(const Options& options);
+int grain(const Options& options);
 int help(const Options& options);
 
 /// --set, --steps and --verlet-k as texts "section.key=value".

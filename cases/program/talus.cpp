@@ -95,7 +95,7 @@ cli::ProgramText texts_of(const CLI::App& app) {
 
 /// `talus help` and `talus help TOPIC`; false for everything else. Error{usage}.
 bool help_on_commands(const CLI::App& app, const Options& o) {
-  if (!app.got_subcommand("help") || o.topic == "scene") return false;
+  if (!app.got_subcommand("help") || o.topic == "scene" || o.topic == "grain") return false;
   if (o.topic.empty()) {
     cli::put_text(app.help());
     return true;
@@ -223,11 +223,18 @@ int main(int argc, char** argv) {
       ->needs("--index");
   sub->add_flag("--quiet", o.quiet, "print nothing");
 
+  sub = add("grain", "heat, drying and conversion of one grain in hot gas as a CSV table", cli::grain);
+  sub->add_option("file", o.files, "grain file (TOML); `talus help grain` lists its keys")->required()->expected(1);
+  sub->add_option("--out", o.out, "CSV file (default: standard output)")->type_name("FILE");
+  sub->add_flag("--advise", o.advise, "print Biot number, level, shells and heat step instead");
+  sub->add_flag("--overwrite", o.overwrite, "replace the file");
+  sub->add_flag("--quiet", o.quiet, "print nothing");
+
   sub = add("help", "help on a command, on keys (talus help scene [KEY]), on files and columns (talus help output)",
             cli::help);
   sub->add_option("topic", o.topic,
-                  "a command, scene, output, exit; reference (Markdown), man, bash, zsh: the same for other readers");
-  sub->add_option("key", o.key, "a scene key such as contact.friction, or a section");
+                  "a command, scene, grain, output, exit; reference (Markdown), man, bash, zsh: the same for other readers");
+  sub->add_option("key", o.key, "a key such as contact.friction, or a section");
 
   try {
     app.parse(argc, argv);

@@ -14,6 +14,7 @@
 #include "core/scene/scene_keys.hpp"
 #include "core/scene/scene_suggest.hpp"
 #include "core/scene/scene_text.hpp"
+#include "core/scene/toml_tree.hpp"
 
 namespace talus {
 [[noreturn]] static void toml_assertion(const char* text) { throw std::logic_error(text); }
@@ -584,6 +585,38 @@ std::vector<SceneValue> SceneTable::values() const {
     }
   }
   return all;
+}
+
+namespace {
+
+TomlNode tree_of(const toml::node& node, const std::string& name) {
+  TomlNode out;
+  out.where = fmt::format("{}:{}:{}", name, node.source().begin.line, node.source().begin.column);
+  out.shown = value_text(node);
+  if (const auto number = number_in(node)) {
+    out.type = node.is_integer() ? TomlNode::Type::integer : TomlNode::Type::number;
+    out.number = *number;
+    out.integer = integer_in(node).value_or(0);
+  } else if (const auto boolean = boolean_in(node)) {
+    out.type = TomlNode::Type::boolean;
+    out.boolean = *boolean;
+  } else if (const auto text = text_in(node)) {
+    out.type = TomlNode::Type::text;
+    out.text = *text;
+  } else if (const toml::array* list = node.as_array()) {
+    out.type = TomlNode::Type::list;
+    for (const toml::node& n : *list) out.list.push_back(tree_of(n, name));
+  } else if (const toml::table* table = node.as_table()) {
+    out.type = TomlNode::Type::table;
+    for (auto&& [key, value] : *table) out.table.emplace_back(std::string(key.str()), tree_of(value, name));
+  }
+  return out;
+}
+
+}  // namespace
+
+TomlNode parse_toml_tree(std::string_view text, const std::string& name) {
+  return tree_of(parse_text(guarded_scene_text(text, name), name), name);
 }
 
 }  // namespace talus

@@ -1,0 +1,66 @@
+// See grain_run.hpp.
+#include "core/conversion/grain_run.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/base/error.hpp"
+
+namespace talus::conversion {
+namespace {
+
+std::string head_of(const GrainJob& job) {
+  std::string s =
+      "time,mass,mean_temperature,surface_temperature,centre_temperature,half_radius_temperature,radius,moisture,fuel,"
+      "char,ash,heat_in,heat_residual,mass_residual,carbon_residual,hydrogen_residual,oxygen_residual,ash_residual,"
+      "water_residual,oxygen_taken";
+  for (const auto& g : job.matter.gases) s += ",released_" + g.name;
+  return s + "\n";
+}
+
+std::string row_of(const Grain<double>& g) {
+  const auto t = g.totals();
+  const auto& s = g.state;
+  std::string row;
+  const auto put = [&](double x) { row += fmt::format("{}{:.10g}", row.empty() ? "" : ",", x); };
+  for (const double x : {s.time, t.mass, t.mean, s.surface, g.centre(), g.at(0.5), s.shells.radius(), t.moisture,
+                         t.fuel, t.char_, t.ash, s.heat_in, g.heat_residual(), g.mass_residual()})
+    put(x);
+  for (std::size_t e = 0; e < k_elements; ++e) put(g.element_residual(e));
+  put(s.oxygen_taken);
+  for (const double x : s.released) put(x);
+  return row + "\n";
+}
+
+/// What cannot be right ends the run.
+void check_state(const Grain<double>& g) {
+  for (std::size_t i = 0; i < g.state.size(); ++i) {
+    const double T = g.state.temperature[i];
+    if (std::isfinite(T) && T < 1e4 && T > 1) continue;
+    throw Error(ErrorCode::physics, fmt::format("shell {} has {:.4g} K", i, T), fmt::format("t = {:g} s", g.state.time),
+                "a smaller time.step or time.method = \"euler\"");
+  }
+}
+
+}  // namespace
+
+std::string grain_table(const GrainJob& job) {
+  Grain<double> g(job.matter, job.form, job.temperature, job.options);
+  const auto around = [&](double t) { return job.around.at(t, g.state.shells.radius(), g.state.surface); };
+  auto before = around(0);
+  g.begin(before);
+  before = around(0);
+  std::string text = head_of(job) + row_of(g);
+  for (std::int64_t n = 1; n <= job.steps; ++n) {
+    const double t = static_cast<double>(n) * job.step;
+    const auto gas = job.around.gas_at(t, g.state.shells.radius(), g.state.surface);
+    before = around(t - job.step);
+    g.advance(job.step, before, around(t), gas);
+    check_state(g);
+    if (n % job.output_steps == 0 || n == job.steps) text += row_of(g);
+  }
+  return text;
+}
+
+}  // namespace talus::conversion
