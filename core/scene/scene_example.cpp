@@ -62,6 +62,7 @@ bool hertzian(const SceneKey& key) { return value_in(key, "contact", "model") !=
 /// Lines of [contact]; those that the key brings with it go before those that stand there anyway.
 std::string contact_text(const SceneKey& key) {
   std::string s = section_text("contact", key);
+  if (key.with.starts_with('[')) return s;  // a section of its own
   for (const std::string_view line : split_words(key.with, "\n")) {
     const std::string_view name = line.substr(0, line.find(' '));
     if (s.find("\n" + std::string(name) + " = ") == std::string::npos) s += std::string(line) + "\n";
@@ -88,6 +89,7 @@ std::string scene_key_example(const SceneKey& key) {
   constexpr std::string_view always[] = {"", "domain", "time", "material", "contact", "source", "group"};
   if (std::find(std::begin(always), std::end(always), parent) == std::end(always)) s += section_text(parent, key);
   if (parent != key.section && parent != "source") s += section_text(key.section, key);
+  if (key.with.starts_with('[')) s += key.with;
   return s;
 }
 

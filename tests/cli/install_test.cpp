@@ -26,7 +26,7 @@ class Install : public Cli {
 };
 
 TEST_F(Install, HoldsProgramLibrariesScriptsCasesAndTexts) {
-  for (const char* name : {"bin/talus", "include/talus/core/scene.hpp", "include/talus/scheduler/simulation.hpp",
+  for (const char* name : {"bin/talus", "include/talus/core/scene/scene.hpp", "include/talus/scheduler/simulation.hpp",
                            "share/talus/perf/report.py", "share/talus/cases/frames.py", "share/talus/cases/draw.py",
                            "share/talus/cases/tutorial/1-box/scene.toml", "share/talus/cases/tutorial/4-mesh/blade.obj",
                            "share/talus/cases/hopper/meshes/cone-silo.stl", "share/man/man1/talus.1",

@@ -18,7 +18,8 @@ const Keys<Scene> k_tracer(
 
 const Keys<Source> k_source({"source", true, ""}, fixed_by("its grains have begun with it"),
                             {key("tracer", &Source::tracer, "-", k_finite,
-                                 "tracer that its grains begin with; needs [tracer]", "1")});
+                                 "tracer that its grains begin with; needs [tracer]", "1")
+                                 .with("[tracer]\nrate = 2.5\n")});
 
 void read(const SceneTable& root, Scene& scene) {
   const bool on = root.has("tracer");
