@@ -216,16 +216,20 @@ Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, b
   return assemble(p, k, fn, total);
 }
 
-Vec3 moments(const Pair& p, double press, double stiffness, const AddOnParameters& c, const MomentArgs& a,
+Vec3 moments(const Pair& p, double press, double stiffness, double slid, const AddOnParameters& c, const MomentArgs& a,
              MomentHistory& h) {
   const Vec3 n = (1 / norm(p.xi - p.xj)) * (p.xi - p.xj), w = p.wi - p.wj;
   const double reff = p.ri * p.rj / (p.ri + p.rj), turn = dot(w, n);
   const Vec3 roll = w - turn * n;
-  const double turned = a.start != 0 ? 0 : a.dt;
-  double shrink = 1;
+  double shrink = 1, reach = stiffness, onset = 1;
   if (a.rescale != 0) {
     if (stiffness < h.stiffness) shrink = stiffness / h.stiffness;
+    reach = h.stiffness > 0 ? std::min(stiffness, 0.5 * (stiffness + h.stiffness)) : 2 * stiffness / 3;
     h.stiffness = stiffness;
+  }
+  if (a.centred != 0 && slid > 0 && slid < a.dt) {
+    const double u = slid / a.dt;
+    onset = a.rescale != 0 ? 0.8 * (0.5 + u) * std::sqrt(std::sqrt((0.5 + u) / u)) : 0.5 + u;  // as the normal dashpot
   }
   Vec3 m;
   if (a.rolling == 1 && norm(roll) > 0) {
@@ -234,26 +238,26 @@ Vec3 moments(const Pair& p, double press, double stiffness, const AddOnParameter
   }
   if (a.rolling == 2) {
     const double k = 2.25 * stiffness * (c.rolling * reff) * (c.rolling * reff), limit = c.rolling * reff * press;
-    h.rolling = shrink * (h.rolling - dot(h.rolling, n) * n) - (k * turned) * roll;
+    h.rolling = shrink * (h.rolling - dot(h.rolling, n) * n) - (k * reach / stiffness * slid) * roll;
     if (norm(h.rolling) > limit) {
       h.rolling = (limit / norm(h.rolling)) * h.rolling;
       m = h.rolling;
     } else {
       const double inertia = 1 / (1 / (1.4 * p.mi * p.ri * p.ri) + 1 / (1.4 * p.mj * p.rj * p.rj));
-      double damp = 2 * c.viscous * std::sqrt(inertia * k);
+      double damp = onset * 2 * c.viscous * std::sqrt(inertia * k);
       if (a.centred != 0) damp /= 1 + 0.5 * a.dt * damp / inertia;
       m = h.rolling - damp * roll;
     }
   }
   if (a.twisting != 0) {
     const double k = 2.25 * stiffness * (c.twisting * reff) * (c.twisting * reff), limit = c.twisting * reff * press;
-    h.twisting = shrink * h.twisting - k * turned * turn;
+    h.twisting = shrink * h.twisting - k * reach / stiffness * slid * turn;
     double total = 0;
     if (std::abs(h.twisting) > limit) {
       total = h.twisting = std::copysign(limit, h.twisting);
     } else {
       const double inertia = 1 / (1 / (0.4 * p.mi * p.ri * p.ri) + 1 / (0.4 * p.mj * p.rj * p.rj));
-      double damp = 2 * c.torsion * std::sqrt(inertia * k);
+      double damp = onset * 2 * c.torsion * std::sqrt(inertia * k);
       if (a.centred != 0) damp /= 1 + 0.5 * a.dt * damp / inertia;
       total = h.twisting - damp * turn;
     }

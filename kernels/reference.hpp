@@ -38,7 +38,8 @@ struct MomentHistory {
 };
 
 /// Moment on i (minus it on j) of a contact whose law gave the pressing force and `stiffness`; `h` is updated.
-Vec3 moments(const Pair& p, double press, double stiffness, const AddOnParameters& c, const MomentArgs& a,
+/// `slid`: how long the contact has moved in this step [s].
+Vec3 moments(const Pair& p, double press, double stiffness, double slid, const AddOnParameters& c, const MomentArgs& a,
              MomentHistory& h);
 
 /// JKR: normal force without dashpot [N] and contact radius [m] by bisection of the two equations of the paper.

@@ -60,6 +60,7 @@ struct Block {
   /// Out of a trial (KernelTable::trial): 0 Coulomb limit [N], 1 b [m] and 2 rho [-] of CoulombLimit; r
   /// holds 0..2 trial tangential force [N], 3 stiffness, 4..6 normal, 7 normal force [N].
   double (*t)[k_block + k_pad];
+  double* slid;  ///< out, or null: how long the contact has moved in this step, less than dt where it has begun [s]
 };
 
 /// Coefficients of one material pair for what is added to a law; see kernels/models/moments.hpp and cohesion.hpp.
@@ -143,6 +144,7 @@ struct MomentBlock {
   const double *x, *y, *z;             ///< centre difference i - j [m]
   const double (*r)[k_block + k_pad];  ///< 3 stiffness [N/m], 7 pressing force [N], as the law leaves them
   const double* reff;                  ///< R* [m]
+  const double* slid;                  ///< Block::slid [s]
   const std::int32_t* pair;            ///< material pair index where there are several materials
   double (*s)[k_block + k_pad];        ///< in: SpinArgs::s; out: 0..2 moment on i [N m], 3 zero
   double* h[k_max_moment];             ///< history columns, updated in place
@@ -156,7 +158,6 @@ struct MomentArgs {
   int rolling;   ///< 0 none, 1 constant directional torque, 2 elastic-plastic spring and dashpot
   int twisting;  ///< 0 none, 1 spring-slider about the normal
   int rescale;   ///< the stiffness varies along a contact (Hertz): springs shrink with it
-  int start;     ///< as in LawArgs: springs have not turned yet
   int centred;   ///< as in LawArgs
 };
 

@@ -156,6 +156,8 @@ void run_moments(benchmark::State& state, const KernelTable& t, const MomentCase
     benchmark::ClobberMemory();
   };
   const double copy = b.cost(restore);
+  alignas(64) static double slid[k_block + k_pad];
+  std::fill_n(slid, k_block + k_pad, b.args.dt);
   MomentBlock m{};
   m.n = b.block.n;
   m.x = b.block.x;
@@ -163,6 +165,7 @@ void run_moments(benchmark::State& state, const KernelTable& t, const MomentCase
   m.z = b.block.z;
   m.r = b.block.r;
   m.reff = b.block.reff;
+  m.slid = slid;
   m.s = b.run.s;
   const int columns = (c.rolling == 2 ? 3 : 0) + c.twisting;
   std::memset(b.history, 0, sizeof b.history);

@@ -88,7 +88,7 @@ void hertz_force(Block& block, const LawArgs& args) {
     const B elastic = fn, step = S::abs(vn) * dt;
     const auto brief = S::lt(delta, step);
     const bool edges = onset && S::any(brief);
-    B cw = cn, counted = one, slid = travel;  // as in the linear law
+    B cw = cn, counted = one, slid = travel, moved_for = travel;  // as in the linear law
     if (edges) [[unlikely]] {
       const B u = delta / step, q = half + u;
       if (a.recall != 0) {
@@ -97,6 +97,7 @@ void hertz_force(Block& block, const LawArgs& args) {
       }
       cw = S::select(brief, cn * ((S::set(0.8) * (q * S::sqrt(S::sqrt(q / u)))) * counted), cn);
       // the radius has grown as the root of the time since touch: 2/3 of it on average, not the half of below
+      moved_for = S::select(brief, S::select(S::lt(vn, zero), dt * u, travel), travel);
       slid = S::select(brief, S::select(S::lt(vn, zero), (dt * u) * S::set(4.0 / 3.0), slid), slid);
     }
     fn = fn - cw * vd;
@@ -141,6 +142,7 @@ void hertz_force(Block& block, const LawArgs& args) {
       S::store(b.e[2] + k, zero);
     }
     if constexpr (Friction) {
+      if (b.slid != nullptr) S::store(b.slid + k, moved_for);
       const B lever = a.contact_lever != 0 ? S::load(b.g[3] + k) : one;
       const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
       B t[3];

@@ -23,6 +23,7 @@ MomentBlock moment_block(const Rules& rules, const Block& b) {
   m.z = b.z;
   m.r = b.r;
   m.reff = b.reff;
+  m.slid = b.slid;
   m.pair = b.pair;
   m.e = rules.has.energies ? b.e : nullptr;
   return m;
@@ -152,7 +153,7 @@ void wall_add_ons(const Rules& rules, const Clock& clock, const Rows& rows, cons
     MomentBlock m = moment_block(rules, b);
     m.s = spin;
     for (std::size_t q = 0; q < columns; ++q) m.h[q] = history[q];
-    rules.kernels->moments(m, rules.moment_args(clock.step));
+    rules.kernels->moments(m, rules.law.moment_args);
     double* rows = c.scratch->m.data() - 4 * static_cast<std::ptrdiff_t>(c.lo);
     for (int k = 0; k < b.n; ++k) {
       const std::size_t at = k0 + static_cast<std::size_t>(k);

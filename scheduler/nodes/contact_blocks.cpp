@@ -32,7 +32,7 @@ ContactBlocks::ContactBlocks(const Rules& rules, const Clock& clock, const Rows&
       rows_(rows),
       c_(c),
       law_(rules.law_args(clock.step)),
-      moment_(rules.moment_args(clock.step)),
+      moment_(rules.law.moment_args),
       args_{} {
   GatherArgs& g = args_;
   g.v = rows.v.data();
@@ -156,6 +156,7 @@ Block ContactBlocks::gather(std::int64_t k0, BlockBuffers& buffers) {
   b.pair = buffers.pair;
   b.e = buffers.e;
   b.t = buffers.t;
+  b.slid = rules_.has.moments ? buffers.slid : nullptr;
   return b;
 }
 

@@ -13,6 +13,7 @@ namespace talus {
 struct BlockBuffers {
   alignas(64) double x[4][k_block + k_pad], g[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad],
       reff[k_block + k_pad];
+  alignas(64) double slid[k_block + k_pad];              ///< see Block::slid; rolling and twisting only
   alignas(64) double t[3][k_block + k_pad];              ///< see Block::t
   alignas(64) double s[4][k_block + k_pad];              ///< spins, then moments; rolling and twisting only
   alignas(64) double h[k_max_history][k_block + k_pad];  ///< history of a block whose contacts have moved

@@ -84,7 +84,7 @@ void find_row(const WallPass& pass, Chunk& c, std::size_t q, std::size_t& old) {
 struct WallBlock {
   alignas(64) double x[k_block + k_pad], y[k_block + k_pad], z[k_block + k_pad], w[k_block + k_pad];
   alignas(64) double r[8][k_block + k_pad], e[3][k_block + k_pad], h[k_max_history][k_block + k_pad],
-      g[4][k_block + k_pad], reff[k_block + k_pad];
+      g[4][k_block + k_pad], reff[k_block + k_pad], slid[k_block + k_pad];
   alignas(64) std::int32_t pair[k_block + k_pad];
 };
 
@@ -122,6 +122,7 @@ Block load(const WallPass& pass, Chunk& c, std::size_t k0, int n, double deep, W
   b.reff = to.reff;
   b.pair = to.pair;
   b.e = to.e;
+  b.slid = rules.has.moments ? to.slid : nullptr;
   return b;
 }
 

@@ -70,11 +70,6 @@ struct Rules {
     a.start = n == 0 ? 1 : 0;
     return a;
   }
-  MomentArgs moment_args(std::int64_t n) const {
-    MomentArgs a = law.moment_args;
-    a.start = n == 0 ? 1 : 0;
-    return a;
-  }
 };
 
 void configure_add_ons(Rules& rules);  ///< features, coefficients; refuses impossible attraction (add_ons.cpp)

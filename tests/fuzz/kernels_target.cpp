@@ -108,7 +108,7 @@ LawArgs law_args(Values& s) {
 /// A gathered block with its histories.
 struct Ready {
   alignas(64) Column8 x{}, g{}, r{}, e{}, t{}, s{};
-  alignas(64) double reff[k_size] = {};
+  alignas(64) double reff[k_size] = {}, slid[k_size] = {};
   alignas(64) std::int32_t pair[k_size] = {};
   Column<double> h[k_max_columns];
   Block block{};
@@ -143,6 +143,7 @@ struct Ready {
     block.pair = pair;
     block.e = e;
     block.t = t;
+    block.slid = slid;
   }
   Ready(const Ready&) = delete;
 };
@@ -194,6 +195,7 @@ Outcome run_block(const KernelTable& k, const Input& in, const LawInfo& law, con
     m.z = b->x[2];
     m.r = b->r;
     m.reff = b->reff;
+    m.slid = b->slid;
     m.pair = b->pair;
     m.s = b->s;
     for (int q = 0; q < k_max_moment; ++q) m.h[q] = b->h[k_max_history + q].data();

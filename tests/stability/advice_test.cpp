@@ -162,11 +162,11 @@ Bed bed(bool hertz, double e, double mu, Dashpot dashpot, double share, std::int
   double start = 0;
   const double fall = sphere_mass(2500, 0.005) * 60 * 9.81 * 0.05;
   try {
-    for (std::int64_t n = 0; n < steps; n += 200) {
-      sim.run(200);
+    for (std::int64_t n = 1; n <= steps; n += 200) {
+      sim.run(n == 1 ? 1 : 200);
       const Energies g = sim.energies();
       const double all = g.kinetic_translation + g.kinetic_rotation + g.potential + g.elastic;
-      if (n == 0) start = all;
+      if (n == 1) start = all;
       b.peak = std::max(b.peak, all / start);
       b.last = (g.kinetic_translation + g.kinetic_rotation) / fall;
     }
@@ -177,10 +177,11 @@ Bed bed(bool hertz, double e, double mu, Dashpot dashpot, double share, std::int
 }
 
 TEST(Advice, BedsKeepTheirEnergyBoundedJustBelowThePackingLimit) {
-  const std::int64_t steps = 100000;
   for (const bool hertz : {false, true})
     for (const double mu : {0.0, 0.5})
       for (const double e : {0.1, 0.3, 0.5, 0.8, 1.0}) {
+        // without friction the dashpots alone decide, within few steps
+        const std::int64_t steps = full() || mu > 0 || e == 1 ? 100000 : 20000;
         const Bed b = bed(hertz, e, mu, Dashpot::centred, 0.95, steps);
         const std::string name =
             std::string(hertz ? "Hertz" : "linear") + (mu > 0 ? ", friction" : "") + ", e " + sci(e);

@@ -248,7 +248,7 @@ Errors check(const Setting& q, double floor = 2e-6) {
   // Weak damping: the first steps are better than their order, so the last decade counts. Rolling: the published law
   // cuts its dashpot off at the limit, a jump that no step resolves better than to first order.
   if (e.fine > floor) {
-    EXPECT_GE(std::max(e.slope, std::log10(e.n1000 / e.fine)), q.moments ? 0.85 : 0.9) << name_of(q);
+    EXPECT_GE(std::max(e.slope, std::log10(e.n1000 / e.fine)), 0.9) << name_of(q);
   }
   return e;
 }
@@ -266,10 +266,13 @@ void sweep(bool hertz, Partner partner, bool moments, const std::vector<double>&
       }
   figure("oblique: largest error of these at N = 20", n20);
   figure("oblique: largest error of these at N = 50", n50);
+  if (moments) {
+    EXPECT_LT(n20, 0.02);
+  }
 }
 
-TEST(Oblique, LinearSpheresConverge) { sweep(false, Partner::sphere, false, {1, 0.3}); }
-TEST(Oblique, HertzSpheresConverge) { sweep(true, Partner::sphere, false, {1, 0.5, 0.3}); }
+TEST(Oblique, LinearSpheresConverge) { sweep(false, Partner::sphere, false, {1, 0.8, 0.5, 0.3}); }
+TEST(Oblique, HertzSpheresConverge) { sweep(true, Partner::sphere, false, {1, 0.8, 0.5, 0.3}); }
 TEST(Oblique, PartialSlipConverges) {
   for (const double e : {1.0, 0.5})
     for (const double mu : {0.05, 1.0}) check({true, e, 0, mu, Partner::sphere, false, true});
@@ -282,7 +285,7 @@ TEST(Oblique, SphereOnMeshReboundsAsOnThePlane) {
   for (const bool hertz : {false, true})
     for (const double mu : {0.05, 1.0}) {
       const Setting plane{hertz, 0.5, 0.3, mu, Partner::plane, false}, mesh{hertz, 0.5, 0.3, mu, Partner::mesh, false};
-      for (const double steps : {20.0, 200.0})
+      for (const double steps : {20.0, 200.0, 10000.0})
         EXPECT_LT(difference(plane, run(mesh, steps), run(plane, steps)), 1e-12) << name_of(mesh) << steps;
     }
 }

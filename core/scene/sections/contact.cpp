@@ -78,8 +78,8 @@ const Keys<Contact> k_contact(
             "\"total\""),
         key("partial_slip", &ContactLaw::partial_slip,
             "Mindlin's micro-slip: two rings of the contact area stick, slip and part each by itself, so that spins "
-            "after impacts at small angles are within 11 % of finite elements (one spring for the whole contact, which "
-            "shrinks with it: 42 %); needs friction; three more history columns per contact",
+            "after impacts at small angles are within 10 % of finite elements (one spring for the whole contact, which "
+            "shrinks with it: 45 %); needs friction; three more history columns per contact",
             "true")
             .only("model=hertz_mindlin|hertz_tsuji")
             .fixed(k_history)
