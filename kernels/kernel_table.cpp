@@ -21,6 +21,7 @@ constexpr LawInfo k_laws[] = {
     {ContactModel::hertz_tsuji, "hertz_tsuji", 8, 4, true},
     {ContactModel::jkr, "jkr", 16, 4, true},
 };
+constexpr LawInfo k_partial_slip{ContactModel::hertz_mindlin, "partial_slip", 24, 7, true};
 
 // __builtin_cpu_supports accounts for what the operating system enables (XCR0); xsimd's own detection does not.
 bool supported(Isa isa) {
@@ -56,6 +57,8 @@ const LawInfo& law_info(ContactModel model) {
     if (l.model == model) return l;
   throw Error(ErrorCode::scene, "contact model without a kernel");
 }
+
+const LawInfo& law_info(const ContactLaw& law) { return law.partial_slip ? k_partial_slip : law_info(law.model); }
 
 const char* isa_name(Isa isa) noexcept {
   switch (isa) {

@@ -18,6 +18,8 @@ struct LawInfo {
   bool wants_reff;
 };
 const LawInfo& law_info(ContactModel model);
+/// The same with what the scene has chosen beside the model.
+const LawInfo& law_info(const ContactLaw& law);
 
 /// Variant index into KernelTable::law.
 inline int law_index(const LawInfo& law, bool friction, bool multi, bool energy) {

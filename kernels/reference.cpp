@@ -55,6 +55,78 @@ Vec3 creep(Vec3 before, Vec3 along, double c, double travel, double limit, doubl
   return (c * c / whole) * before + (travel * (c * middle + 0.5 * travel * limit) / whole) * along;
 }
 
+/// Tangential force per length q(s) = a + b s^2 on (0, 1), s = x / contact radius, times that radius [N].
+struct Profile {
+  Vec3 a, b;
+  Vec3 at(double s2) const { return a + s2 * b; }
+  Vec3 force() const { return a + (1.0 / 3.0) * b; }
+  Vec3 moment() const { return (1.0 / 3.0) * a + 0.2 * b; }
+};
+
+Profile of_moments(Vec3 force, Vec3 moment) { return {2.25 * force - 3.75 * moment, 11.25 * moment - 3.75 * force}; }
+
+/// What partial_slip() needs of a step: `grow` = radius over that of the last step, the rest as in hertz_mindlin().
+struct SlipStep {
+  double grow, travel, ct, kick, limit, middle;
+  Vec3 vt;
+};
+
+/// Two rings of a Hertz contact, each a spring and a dashpot in series with a slider. Returns the tangential force;
+/// `ft` and `second` are the force and 5 times the sum of P2(s) force of the rings.
+Vec3 partial_slip(const SlipStep& q, Vec3& ft, Vec3& second) {
+  const double root = std::sqrt(1.2), s2[2] = {(3 - 2 * root) / 7, (3 + 2 * root) / 7};
+  const double weight[2] = {0.5 + std::sqrt(30.0) / 36, 0.5 - std::sqrt(30.0) / 36};
+  Profile old{ft - 0.5 * second, 1.5 * second}, unit{{1, 1, 1}, {}};
+  if (q.grow < 1) {
+    old = {q.grow * old.a, (q.grow * q.grow * q.grow) * old.b};
+  } else {
+    const double x = 1 / q.grow;
+    old = of_moments(old.force(), (x * x) * old.moment());
+    unit = of_moments({1, 1, 1}, ((0.6 - 0.2 * x + 0.6 * x * x) / 3) * Vec3{1, 1, 1});
+  }
+  Vec3 before[2], stuck[2], g[2], total;
+  bool slides[2] = {false, false};
+  double stiffness[2], limit[2], damped = 1;
+  for (int r = 0; r < 2; ++r) {
+    stiffness[r] = weight[r] * unit.at(s2[r]).x;
+    limit[r] = 1.5 * weight[r] * (1 - s2[r]);
+    before[r] = weight[r] * old.at(s2[r]);
+    stuck[r] = before[r] - (stiffness[r] * q.travel) * q.vt;
+  }
+  for (int pass = 0; pass < 2; ++pass) {
+    // the velocity at the end of the step, with the limit where a ring slides
+    total = {};
+    for (int r = 0; r < 2; ++r) total = total + (slides[r] ? (limit[r] * q.limit / norm(g[r])) * g[r] : stuck[r]);
+    const Vec3 u = (1 / (1 + q.kick * q.ct * damped)) * (q.vt + q.kick * total);
+    bool sliding[2] = {slides[0], slides[1]};
+    for (int r = 0; r < 2; ++r) {
+      if (slides[r]) continue;
+      g[r] = stuck[r] - (weight[r] * q.ct) * u;
+      sliding[r] = norm(g[r]) > limit[r] * q.limit;
+    }
+    damped = 0;
+    for (int r = 0; r < 2; ++r) {
+      slides[r] = sliding[r];
+      damped += slides[r] ? 0 : weight[r];
+    }
+    if (!slides[0] && !slides[1]) break;
+  }
+  ft = second = total = {};
+  for (int r = 0; r < 2; ++r) {
+    Vec3 spring = stuck[r];
+    if (slides[r]) {
+      const Vec3 along = (1 / norm(g[r])) * g[r];
+      spring =
+          creep(before[r], along, weight[r] * q.ct, stiffness[r] * q.travel, limit[r] * q.limit, limit[r] * q.middle);
+      g[r] = (limit[r] * q.limit) * along;
+    }
+    total = total + g[r];
+    ft = ft + spring;
+    second = second + (2.5 * (3 * s2[r] - 1)) * spring;
+  }
+  return total;
+}
+
 Result assemble(const Pair& p, const Kinematics& k, double fn, Vec3 ft) {
   Result r;
   r.force = fn * k.n + ft;
@@ -101,7 +173,7 @@ Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool fri
 }
 
 Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& ft, double& radius,
-                     double& predicted) {
+                     double& predicted, Vec3* second) {
   const Kinematics k = kinematics(p, a);
   const double reff = p.rj > 0 ? p.ri * p.rj / (p.ri + p.rj) : p.ri;
   const double contact = std::sqrt(reff * k.delta), sn = c.kn * contact, st = c.kt * contact, elastic = sn * k.delta;
@@ -120,34 +192,44 @@ Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, b
   predicted = brief && k.vn > 0 ? 0 : k.vn + a.dt * fn / k.meff;
   if (!friction) return assemble(p, k, fn, {});
   Vec3 before = ft - dot(ft, k.n) * k.n;
-  if (contact < radius) before = (contact / radius) * before;
+  if (contact < radius && second == nullptr) before = (contact / radius) * before;
   double travel = a.start != 0 ? 0 : c.kt * std::min(contact, 0.5 * (contact + radius)) * a.dt;
   if (touched) travel = c.kt * (2.0 / 3.0 * contact) * (u * a.dt);
-  ft = before - travel * k.vt;
+  const double grow = contact / radius, kick = a.centred != 0 ? 0.5 * 3.5 * a.dt / k.meff : 0;
+  const double limit = c.mu * (a.total != 0 ? std::max(fn, 0.0) : elastic);
+  double middle = a.total != 0 ? limit : limit + 0.75 * c.mu * sn * k.vn * a.dt;
+  if (touched && a.total == 0) middle = 0.4 * limit;
   radius = contact;
-  const double shrink = a.centred != 0 ? 1 / (1 + 0.5 * 3.5 * a.dt * ct / k.meff) : 1;
-  Vec3 total = shrink * (ft - ct * k.vt);
-  const double limit = c.mu * (a.total != 0 ? std::max(fn, 0.0) : elastic), size = norm(total);
+  if (second != nullptr) {
+    ft = before;
+    *second = *second - dot(*second, k.n) * k.n;
+    return assemble(p, k, fn, partial_slip({grow, travel, ct, kick, limit, middle, k.vt}, ft, *second));
+  }
+  ft = before - travel * k.vt;
+  Vec3 total = (1 / (1 + kick * ct)) * (ft - ct * k.vt);
+  const double size = norm(total);
   if (size > limit) {
     const Vec3 along = (1 / size) * total;
     total = limit * along;
-    double middle = a.total != 0 ? limit : limit + 0.75 * c.mu * sn * k.vn * a.dt;
-    if (touched && a.total == 0) middle = 0.4 * limit;
     ft = creep(before, along, ct, travel, limit, middle);
   }
   return assemble(p, k, fn, total);
 }
 
-Vec3 moments(const Pair& p, double press, double stiffness, const AddOnParameters& c, const MomentArgs& a,
+Vec3 moments(const Pair& p, double press, double stiffness, double slid, const AddOnParameters& c, const MomentArgs& a,
              MomentHistory& h) {
   const Vec3 n = (1 / norm(p.xi - p.xj)) * (p.xi - p.xj), w = p.wi - p.wj;
   const double reff = p.ri * p.rj / (p.ri + p.rj), turn = dot(w, n);
   const Vec3 roll = w - turn * n;
-  const double turned = a.start != 0 ? 0 : a.dt;
-  double shrink = 1;
+  double shrink = 1, reach = stiffness, onset = 1;
   if (a.rescale != 0) {
     if (stiffness < h.stiffness) shrink = stiffness / h.stiffness;
+    reach = h.stiffness > 0 ? std::min(stiffness, 0.5 * (stiffness + h.stiffness)) : 2 * stiffness / 3;
     h.stiffness = stiffness;
+  }
+  if (a.centred != 0 && slid > 0 && slid < a.dt) {
+    const double u = slid / a.dt;
+    onset = a.rescale != 0 ? 0.8 * (0.5 + u) * std::sqrt(std::sqrt((0.5 + u) / u)) : 0.5 + u;  // as the normal dashpot
   }
   Vec3 m;
   if (a.rolling == 1 && norm(roll) > 0) {
@@ -156,26 +238,26 @@ Vec3 moments(const Pair& p, double press, double stiffness, const AddOnParameter
   }
   if (a.rolling == 2) {
     const double k = 2.25 * stiffness * (c.rolling * reff) * (c.rolling * reff), limit = c.rolling * reff * press;
-    h.rolling = shrink * (h.rolling - dot(h.rolling, n) * n) - (k * turned) * roll;
+    h.rolling = shrink * (h.rolling - dot(h.rolling, n) * n) - (k * reach / stiffness * slid) * roll;
     if (norm(h.rolling) > limit) {
       h.rolling = (limit / norm(h.rolling)) * h.rolling;
       m = h.rolling;
     } else {
       const double inertia = 1 / (1 / (1.4 * p.mi * p.ri * p.ri) + 1 / (1.4 * p.mj * p.rj * p.rj));
-      double damp = 2 * c.viscous * std::sqrt(inertia * k);
+      double damp = onset * 2 * c.viscous * std::sqrt(inertia * k);
       if (a.centred != 0) damp /= 1 + 0.5 * a.dt * damp / inertia;
       m = h.rolling - damp * roll;
     }
   }
   if (a.twisting != 0) {
     const double k = 2.25 * stiffness * (c.twisting * reff) * (c.twisting * reff), limit = c.twisting * reff * press;
-    h.twisting = shrink * h.twisting - k * turned * turn;
+    h.twisting = shrink * h.twisting - k * reach / stiffness * slid * turn;
     double total = 0;
     if (std::abs(h.twisting) > limit) {
       total = h.twisting = std::copysign(limit, h.twisting);
     } else {
       const double inertia = 1 / (1 / (0.4 * p.mi * p.ri * p.ri) + 1 / (0.4 * p.mj * p.rj * p.rj));
-      double damp = 2 * c.torsion * std::sqrt(inertia * k);
+      double damp = onset * 2 * c.torsion * std::sqrt(inertia * k);
       if (a.centred != 0) damp /= 1 + 0.5 * a.dt * damp / inertia;
       total = h.twisting - damp * turn;
     }

@@ -26,9 +26,10 @@ struct Result {
 Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& xi, double& predicted);
 
 /// Hertz-Mindlin (kernels/models/hertz_mindlin.hpp); `ft` is the elastic tangential force [N], `radius` the last
-/// contact radius [m], both updated; `predicted` as above.
+/// contact radius [m], both updated; `predicted` as above. `second`: the second part of the state of partial slip [N]
+/// (kernels/models/partial_slip.hpp), updated; null: one spring for the whole contact.
 Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& ft, double& radius,
-                     double& predicted);
+                     double& predicted, Vec3* second = nullptr);
 
 /// History of rolling and twisting (kernels/models/moments.hpp), oriented from j to i.
 struct MomentHistory {
@@ -37,7 +38,8 @@ struct MomentHistory {
 };
 
 /// Moment on i (minus it on j) of a contact whose law gave the pressing force and `stiffness`; `h` is updated.
-Vec3 moments(const Pair& p, double press, double stiffness, const AddOnParameters& c, const MomentArgs& a,
+/// `slid`: how long the contact has moved in this step [s].
+Vec3 moments(const Pair& p, double press, double stiffness, double slid, const AddOnParameters& c, const MomentArgs& a,
              MomentHistory& h);
 
 /// JKR: normal force without dashpot [N] and contact radius [m] by bisection of the two equations of the paper.

@@ -6,10 +6,11 @@
 
 namespace talus {
 
-inline constexpr int k_block = 128;      ///< contacts per L1 block (DESIGN 2.4)
-inline constexpr int k_pad = 16;         ///< slack behind every per-contact array
-inline constexpr int k_max_history = 5;  ///< history columns of the widest law
-inline constexpr int k_max_moment = 5;   ///< history columns of rolling and twisting, behind those of the law
+inline constexpr int k_block = 128;        ///< contacts per L1 block (DESIGN 2.4)
+inline constexpr int k_pad = 16;           ///< slack behind every per-contact array
+inline constexpr int k_max_history = 8;    ///< history columns of the widest law
+inline constexpr int k_usual_history = 5;  ///< of the laws without partial slip
+inline constexpr int k_max_moment = 5;     ///< history columns of rolling and twisting, behind those of the law
 inline constexpr int k_max_columns = k_max_history + k_max_moment;
 
 /// Contacts from `to` on, up to the next run, have their history of the last step at `from` and after; -1: they are
@@ -59,6 +60,7 @@ struct Block {
   /// Out of a trial (KernelTable::trial): 0 Coulomb limit [N], 1 b [m] and 2 rho [-] of CoulombLimit; r
   /// holds 0..2 trial tangential force [N], 3 stiffness, 4..6 normal, 7 normal force [N].
   double (*t)[k_block + k_pad];
+  double* slid;  ///< out, or null: how long the contact has moved in this step, less than dt where it has begun [s]
 };
 
 /// Coefficients of one material pair for what is added to a law; see kernels/models/moments.hpp and cohesion.hpp.
@@ -92,7 +94,7 @@ struct GatherArgs {
   double (*x)[k_block + k_pad];  ///< out: 0..2 centre difference i - j (minimum image), 3 r_i + r_j [m]
   double (*r)[k_block + k_pad];  ///< out: relative velocity rows, see Block::r
   int periodic;
-  double half[3], period[3];   ///< as in NarrowArgs
+  double half[3], period[3];            ///< as in NarrowArgs
   const std::int32_t *next_i, *next_j;  ///< rows of the next block, prefetched; next_n of them; next_i may be null
   int next_n;
   const double* next_h[k_max_history];  ///< history of the next block, prefetched; next_columns of them
@@ -142,6 +144,7 @@ struct MomentBlock {
   const double *x, *y, *z;             ///< centre difference i - j [m]
   const double (*r)[k_block + k_pad];  ///< 3 stiffness [N/m], 7 pressing force [N], as the law leaves them
   const double* reff;                  ///< R* [m]
+  const double* slid;                  ///< Block::slid [s]
   const std::int32_t* pair;            ///< material pair index where there are several materials
   double (*s)[k_block + k_pad];        ///< in: SpinArgs::s; out: 0..2 moment on i [N m], 3 zero
   double* h[k_max_moment];             ///< history columns, updated in place
@@ -155,7 +158,6 @@ struct MomentArgs {
   int rolling;   ///< 0 none, 1 constant directional torque, 2 elastic-plastic spring and dashpot
   int twisting;  ///< 0 none, 1 spring-slider about the normal
   int rescale;   ///< the stiffness varies along a contact (Hertz): springs shrink with it
-  int start;     ///< as in LawArgs: springs have not turned yet
   int centred;   ///< as in LawArgs
 };
 
@@ -255,7 +257,7 @@ struct KernelTable {
   void (*scatter[2])(const ScatterArgs&);  ///< [rotation]
   void (*integrate[2])(IntegrateArgs&);    ///< [rotation]
   void (*search)(SearchArgs&);
-  void (*law[24])(Block&, const LawArgs&);
+  void (*law[32])(Block&, const LawArgs&);
   /// The linear law with friction and one material pair up to the Coulomb limit, and the scatter that applies it. One
   /// after the other they give the bits of law and scatter: the limit's root and division wait in a pass whose time
   /// goes into loads, stores and shuffles instead of in one that multiplications bind.

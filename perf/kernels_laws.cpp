@@ -26,8 +26,7 @@ struct LawBlock {
     const Chunk& c = chunk();
     GatherArgs gather = gather_args(bed.w, c, 0, kept);
     select_kernels(Isa::automatic).gather[1](gather);
-    if (!friction)
-      std::memcpy(kept.r[3], kept.r[7], sizeof kept.r[7]);  // without rotation 1/m_i + 1/m_j is in lane 3
+    if (!friction) std::memcpy(kept.r[3], kept.r[7], sizeof kept.r[7]);  // without rotation 1/m_i + 1/m_j is in lane 3
     std::memcpy(run.x, kept.x, sizeof run.x);
     std::memcpy(run.g, kept.g, sizeof run.g);
     std::fill(run.reff, run.reff + k_block, 0.25);
@@ -157,6 +156,8 @@ void run_moments(benchmark::State& state, const KernelTable& t, const MomentCase
     benchmark::ClobberMemory();
   };
   const double copy = b.cost(restore);
+  alignas(64) static double slid[k_block + k_pad];
+  std::fill_n(slid, k_block + k_pad, b.args.dt);
   MomentBlock m{};
   m.n = b.block.n;
   m.x = b.block.x;
@@ -164,6 +165,7 @@ void run_moments(benchmark::State& state, const KernelTable& t, const MomentCase
   m.z = b.block.z;
   m.r = b.block.r;
   m.reff = b.block.reff;
+  m.slid = slid;
   m.s = b.run.s;
   const int columns = (c.rolling == 2 ? 3 : 0) + c.twisting;
   std::memset(b.history, 0, sizeof b.history);
@@ -201,7 +203,8 @@ void run_cohesion(benchmark::State& state, const KernelTable& t) {
   LawBlock b(true);
   b.input_rows = 3;
   const double copy = b.cost([&] { b.restore(); });
-  const CohesionArgs args{1e3, nullptr, b.bed.w.p.data(), b.chunk().scratch->ci.data(), b.chunk().scratch->cj.data(), 0};
+  const CohesionArgs args{1e3, nullptr, b.bed.w.p.data(), b.chunk().scratch->ci.data(), b.chunk().scratch->cj.data(),
+                          0};
   measure(
       state, t, {"cohesion_sjkr", static_cast<double>(b.block.n), 8.0 * (4 + 3 + 3) + 8},
       [&](const KernelTable& k) {

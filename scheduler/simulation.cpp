@@ -35,7 +35,7 @@ void configure(World& w, const Scene& scene, const RunOptions& options, bool any
   w.scratch.prepare(w.threads);
   w.serial.index = -1;
   w.kernels = &select_kernels(options.isa, &w.isa_why, scene.precision);
-  w.law = &law_info(scene.contact.model);
+  w.law = &law_info(scene.contact);
   Features& h = w.has;
   h.rotation = scene.contact.friction;
   const bool recall = recalls(scene);
@@ -160,7 +160,7 @@ struct WallRecord {
   Vec3 normal;
   double distance;
   Vec3 velocity;
-  double h[k_max_history];
+  double h[k_usual_history];  ///< the rest is in wall_history
 };
 
 /// Contacts without the columns that the scene does not have: pairs of rows, then the columns of each contact.
@@ -185,17 +185,19 @@ void write_contacts(const World& w, CheckpointWriter& out) {
   const auto walls = collect_wall_states(w);
   std::vector<WallRecord> records(walls.size());
   std::vector<Vec3> centres;
-  std::vector<double> moments;
+  std::vector<double> moments, more;
   for (std::size_t k = 0; k < walls.size(); ++k) {
     const WallContact& t = walls[k].contact;
     records[k] = {walls[k].row, 0, t.wall, t.element, t.normal, t.distance, t.velocity, {}};
-    std::copy_n(walls[k].h, k_max_history, records[k].h);
+    std::copy_n(walls[k].h, k_usual_history, records[k].h);
+    for (int q = k_usual_history; q < w.has.law_columns; ++q) more.push_back(walls[k].h[q]);
     centres.push_back(t.centre);
     moments.insert(moments.end(), walls[k].m, walls[k].m + w.has.moment_columns);
   }
   out.add_array("wall_contacts", records.data(), records.size());
   if (w.walls.has_images()) out.add_array("wall_centres", centres.data(), centres.size());
   if (w.has.moments) out.add_array("wall_moments", moments.data(), moments.size());
+  if (w.has.law_columns > k_usual_history) out.add_array("wall_history", more.data(), more.size());
 }
 
 std::vector<ContactEntry> read_contacts(const World& w, const CheckpointReader& in) {
@@ -219,14 +221,16 @@ std::vector<ContactEntry> read_contacts(const World& w, const CheckpointReader& 
 std::vector<WallEntry> read_walls(const World& w, const CheckpointReader& in, const std::vector<int>& numbers) {
   std::vector<WallRecord> records;
   std::vector<Vec3> centres;
-  std::vector<double> moments;
+  std::vector<double> moments, more;
   in.read_array<WallRecord>("wall_contacts", records);
   // Walls that are new at a resume may be the first with images; a grain in touch then has no former image to keep.
   const bool images = w.walls.has_images() && in.has("wall_centres");
   if (images) in.read_array<Vec3>("wall_centres", centres);
   if (w.has.moments) in.read_array<double>("wall_moments", moments);
   const auto columns = static_cast<std::size_t>(w.has.moment_columns);
-  if (moments.size() != records.size() * columns || (images && centres.size() != records.size()))
+  const auto beyond = static_cast<std::size_t>(std::max(w.has.law_columns - k_usual_history, 0));
+  if (beyond > 0) in.read_array<double>("wall_history", more);
+  if (moments.size() != records.size() * columns || more.size() != records.size() * beyond || (images && centres.size() != records.size()))
     throw Error(ErrorCode::io, "wall contacts and their history do not fit together", in.path());
   std::vector<WallEntry> out;
   for (std::size_t k = 0; k < records.size(); ++k) {
@@ -234,7 +238,8 @@ std::vector<WallEntry> read_walls(const World& w, const CheckpointReader& in, co
     WallEntry e;
     e.row = r.row;
     e.contact = {r.wall, r.element, r.normal, r.distance, r.velocity, centres.empty() ? Vec3{} : centres[k]};
-    std::copy_n(r.h, k_max_history, e.h);
+    std::copy_n(r.h, k_usual_history, e.h);
+    std::copy_n(more.begin() + static_cast<std::ptrdiff_t>(k * beyond), beyond, e.h + k_usual_history);
     std::copy_n(moments.begin() + static_cast<std::ptrdiff_t>(k * columns), columns, e.m);
     if (!numbers.empty()) {
       const auto before = static_cast<std::size_t>(r.wall);

@@ -93,6 +93,7 @@ struct ContactLaw {
   Lever lever = Lever::contact;
   Sliding sliding = Sliding::series;  ///< what the spring of a sliding contact keeps (kernels/models/linear.hpp)
   FrictionLimit friction_limit = FrictionLimit::elastic;
+  bool partial_slip = false;           ///< Hertz: rings of the contact area slide on their own; needs friction
   Rolling rolling = Rolling::none;     ///< needs friction (grains must rotate)
   bool twisting = false;               ///< some pair has twisting friction; needs friction
   Cohesion cohesion = Cohesion::none;  ///< on top of linear or Hertz

@@ -46,6 +46,7 @@ constexpr KeyRow k_rows[] = {
     {"contact", "onset_correction", {k_fixed, k_history}},
     {"contact", "synchronised", {k_fixed, k_history}},
     {"contact", "sliding", {k_fixed, k_history}},
+    {"contact", "partial_slip", {k_fixed, k_history}},
     {"contact", "rolling", {k_fixed, k_history}},
     {"contact", "cohesion", {k_fixed, k_history}},
     {"contact", "", {k_acts, ""}},

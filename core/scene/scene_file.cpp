@@ -205,6 +205,7 @@ void read_contact(const SceneTable& r, const std::vector<SceneTable>& pairs, con
   c.friction_limit = r.choice<FrictionLimit>("friction_limit");
   c.onset_correction = r.boolean("onset_correction");
   c.clip_tension = r.boolean("clip_tension");
+  c.partial_slip = r.boolean("partial_slip");
   c.synchronised = r.boolean("synchronised");
 
   const std::size_t n = names.size();
@@ -234,6 +235,7 @@ void read_contact(const SceneTable& r, const std::vector<SceneTable>& pairs, con
   c.friction = false;
   for (const PairCoefficients& k : scene.pairs) c.friction = c.friction || k.friction > 0;
   check_add_ons(r, pairs, scene);
+  if (c.partial_slip && !c.friction) r.fail("partial_slip", "has no effect without contact.friction > 0");
   if (c.clip_tension && (c.model == ContactModel::jkr || c.cohesion != Cohesion::none))
     r.fail("clip_tension", "contradicts adhesion and cohesion, which pull");
   if (c.clip_tension && c.model == ContactModel::hertz_tsuji)

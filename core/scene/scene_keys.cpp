@@ -152,6 +152,11 @@ constexpr SceneKey k_keys[] = {
      "that a sliding impact has the impulse J_t = mu J_n; total: max(F_n, 0), as other codes, which takes more than mu "
      "J_n where the dashpot pulls; with clip_tension always total",
      "\"total\""},
+    {"contact", "partial_slip", T::boolean, "", 0, 0, false, "", "false", "model=hertz_mindlin|hertz_tsuji",
+     "Mindlin's micro-slip: two rings of the contact area stick, slip and part each by itself, so that spins after "
+     "impacts at small angles are within 10 % of finite elements (one spring for the whole contact, which shrinks with "
+     "it: 45 %); needs friction; three more history columns per contact",
+     "true"},
     {"contact", "rolling", T::choice, "", 0, 0, false, "none|cdt|epsd", "\"none\"", "",
      "rolling resistance; cdt: constant moment against the spin; epsd: spring, dashpot and slider (rests "
      "without creep)",

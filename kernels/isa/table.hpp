@@ -48,6 +48,7 @@ constexpr KernelTable make_table() {
   fill_law<S, Linear>(t.law);
   fill_law<S, HertzMindlin>(t.law + 8);
   fill_law<S, Jkr>(t.law + 16);
+  fill_law<S, PartialSlip>(t.law + 24);
   t.trial = linear_trial<S>;
   t.scatter_limited = scatter_limited<S>;
   t.narrow_adhesive = narrow_adhesive<S>;

@@ -10,12 +10,13 @@
 // Onset correction: with delta = u |v_n| dt in the first step and in the last, the dashpot, which starts as
 // delta^(1/4), has the weight (1/2 + u)^(5/4)/(5/4 u^(1/4)): its impulse between the touch and n+1/2. hertz_tsuji
 // differs only in alpha (the polynomial of Tsuji et al.), chosen at set-up. History: with friction 4 columns, the
-// elastic tangential force on i [N] and the last contact radius [m]; centred and damped: one more, see
-// dashpot_velocity() of the linear law. Reads kn = 4/3 E* [Pa], kt = 8 G* [Pa], gn = alpha [-], gt = sqrt(2/3) alpha
-// [-], mu; wants R*.
+// elastic tangential force on i [N] and the last contact radius [m]; with partial slip three more, see
+// partial_slip.hpp; centred and damped: one more, see dashpot_velocity() of the linear law. Reads kn = 4/3 E* [Pa],
+// kt = 8 G* [Pa], gn = alpha [-], gt = sqrt(2/3) alpha [-], mu; wants R*.
 #pragma once
 
 #include "kernels/models/jkr.hpp"
+#include "kernels/models/partial_slip.hpp"
 
 namespace talus::kernels {
 
@@ -37,11 +38,18 @@ TALUS_INLINE typename S::B adhesion_of(const Block& b, const LawArgs& a, int k) 
   }
 }
 
-/// Adhesive: the normal force and contact radius of JKR (kernels/models/jkr.hpp) in place of Hertz.
-template <class S, bool Friction, bool Multi, bool Energy, bool Adhesive>
+struct PartialSlip {
+  static constexpr const char* name = "partial_slip";
+  static constexpr int history = 7;
+  static constexpr bool wants_reff = true;
+};
+
+/// Adhesive: the normal force and contact radius of JKR (kernels/models/jkr.hpp) in place of Hertz. Slip: the
+/// tangential force is that of partial_slip.hpp.
+template <class S, bool Friction, bool Multi, bool Energy, bool Adhesive, bool Slip = false>
 void hertz_force(Block& block, const LawArgs& args) {
   using B = typename S::B;
-  constexpr int k_recall = Friction ? HertzMindlin::history : 0;
+  constexpr int k_recall = !Friction ? 0 : Slip ? PartialSlip::history : HertzMindlin::history;
   const LawArgs a = args;  // local copies: the stores below cannot alias them
   const Block b = block;
   const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt), hdt = S::set(0.5 * a.dt);
@@ -80,7 +88,7 @@ void hertz_force(Block& block, const LawArgs& args) {
     const B elastic = fn, step = S::abs(vn) * dt;
     const auto brief = S::lt(delta, step);
     const bool edges = onset && S::any(brief);
-    B cw = cn, counted = one, slid = travel;  // as in the linear law
+    B cw = cn, counted = one, slid = travel, moved_for = travel;  // as in the linear law
     if (edges) [[unlikely]] {
       const B u = delta / step, q = half + u;
       if (a.recall != 0) {
@@ -89,6 +97,7 @@ void hertz_force(Block& block, const LawArgs& args) {
       }
       cw = S::select(brief, cn * ((S::set(0.8) * (q * S::sqrt(S::sqrt(q / u)))) * counted), cn);
       // the radius has grown as the root of the time since touch: 2/3 of it on average, not the half of below
+      moved_for = S::select(brief, S::select(S::lt(vn, zero), dt * u, travel), travel);
       slid = S::select(brief, S::select(S::lt(vn, zero), (dt * u) * S::set(4.0 / 3.0), slid), slid);
     }
     fn = fn - cw * vd;
@@ -133,6 +142,7 @@ void hertz_force(Block& block, const LawArgs& args) {
       S::store(b.e[2] + k, zero);
     }
     if constexpr (Friction) {
+      if (b.slid != nullptr) S::store(b.slid + k, moved_for);
       const B lever = a.contact_lever != 0 ? S::load(b.g[3] + k) : one;
       const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
       B t[3];
@@ -145,12 +155,6 @@ void hertz_force(Block& block, const LawArgs& args) {
       const B grow = a.centred != 0 ? one + hdt_t * (ct * ms) : one, shrink = one / grow;
       const B mean = half * (radius + last), moved = S::select(S::lt(mean, radius), mean, radius);
       const B travelled = slid * (c.kt * moved);
-      B g[3], trial[3];
-      for (int q = 0; q < 3; ++q) {
-        h[q] = trial[q] = (h[q] - hn * n[q]) * rescale - travelled * t[q];
-        g[q] = (h[q] - ct * t[q]) * shrink;
-      }
-      const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
       B press = elastic;
       if constexpr (Adhesive) press = press + S::set(3.0) * jkr.pull;
       if (a.total != 0) {
@@ -159,53 +163,93 @@ void hertz_force(Block& block, const LawArgs& args) {
         press = S::select(S::gt(press, zero), press, zero);
       }
       const B limit = c.mu * press;
-      const auto slides = S::gt(g2, limit * limit);
-      if (S::any(slides)) {
-        // as in the linear law, with rho = ct / travelled; the limit at n-1/2, or its mean since the touch
+      // the limit at n-1/2, or its mean since the touch
+      const auto middle_limit = [&] {
         B middle = limit;
         if (a.total == 0) {
           middle = limit + (S::set(0.75 * a.dt) * c.mu) * (sn * vn);
           if (edges) [[unlikely]]
             middle = S::select(brief, S::select(S::lt(vn, zero), two_fifths * limit, middle), middle);
         }
-        const B memory = ct * (ct + travelled), whole = memory + half * (travelled * travelled);
-        const B size = S::fast ? g2 * over_root<S>(one, g2) : S::sqrt(g2), all = one / (size * whole);
-        const B keep = memory * (all * size), scale = S::select(slides, limit * (all * whole), one);
-        const B creep = ct * middle + half * (travelled * limit);
-        const B pull = (travelled * all) * (creep - ct * (size * grow));
+        return middle;
+      };
+      B g[3];
+      if constexpr (Slip) {
+        B second[3] = {S::load(b.h_in[4] + k), S::load(b.h_in[5] + k), S::load(b.h_in[6] + k)};
+        const B out = (second[0] * n[0] + second[1] * n[1]) + second[2] * n[2];
         for (int q = 0; q < 3; ++q) {
-          h[q] = S::select(slides, keep * h[q] + pull * g[q], h[q]);
-          g[q] = g[q] * scale;
+          h[q] = h[q] - hn * n[q];
+          second[q] = second[q] - out * n[q];
         }
-      }
-      for (int q = 0; q < 3; ++q) {
-        S::store(b.h[q] + k, h[q]);
-        f[q] = f[q] + g[q];
-      }
-      S::store(b.h[3] + k, radius);
-      if constexpr (Energy) {
-        // A change of the contact radius changes F^2 / S_t by the ratio of the smaller to the larger one (F is rescaled
-        // on unloading; on loading S_t grows at constant F, to that of the mean radius before the increment and to that
-        // of the present one after it); neither partner gets that energy, it counts as friction.
-        B reach = moved, time = slid;
-        if (edges) {
-          const auto touch = [&](B& to, B value) { to = S::select(brief, S::select(S::lt(vn, zero), value, to), to); };
-          touch(time, S::set(0.75) * slid);
-          touch(reach, S::set(4.0 / 3.0) * moved);
-        }
-        const B stiffness = c.kt * reach, soft = zero - one / stiffness;
-        B way[3], most[3], h2 = zero;
+        const RingStep<S> rings{radius, last, travelled, ct, a.centred != 0 ? hdt_t * ms : zero, limit, middle_limit()};
+        RingForces<S> forces;
+        const B unit = half / c.kt, stored = Energy ? unit * ring_energy<S>(h, second, last) : zero;
+        partial_slip<S>(rings, t, h, second, g, forces);
         for (int q = 0; q < 3; ++q) {
-          h2 = h2 + h[q] * h[q];
-          way[q] = soft * h[q];
-          most[q] = soft * trial[q];
+          S::store(b.h[q] + k, h[q]);
+          S::store(b.h[4 + q] + k, second[q]);
+          f[q] = f[q] + g[q];
         }
-        const auto parts = S::lt(delta, S::select(S::gt(vn, zero), step, zero));
-        tangential_ledger<S>(b, k, {stiffness, stiffness * (reach / radius), mid * ct, time, parts, counted}, false,
-                             way, most, t);
-        const B kept = S::select(S::lt(radius, last), rescale, last / reach);
-        const B released = half * (before * (one - kept) + h2 * (one / reach - one / radius)) / c.kt;
-        S::store(b.e[2] + k, S::load(b.e[2] + k) + released);
+        S::store(b.h[3] + k, radius);
+        if constexpr (Energy) {
+          B time = slid;
+          if (edges) time = S::select(brief, S::select(S::lt(vn, zero), S::set(0.75) * slid, slid), slid);
+          const B now = unit * ring_energy<S>(h, second, radius);
+          const auto parts = S::lt(delta, S::select(S::gt(vn, zero), step, zero));
+          ring_ledger<S>(b, k, rings, forces, t, time, stored, now, parts, counted, mid);
+        }
+      } else {
+        B trial[3];
+        for (int q = 0; q < 3; ++q) {
+          h[q] = trial[q] = (h[q] - hn * n[q]) * rescale - travelled * t[q];
+          g[q] = (h[q] - ct * t[q]) * shrink;
+        }
+        const B g2 = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
+        const auto slides = S::gt(g2, limit * limit);
+        if (S::any(slides)) {
+          // as in the linear law, with rho = ct / travelled; the limit at n-1/2, or its mean since the touch
+          const B middle = middle_limit();
+          const B memory = ct * (ct + travelled), whole = memory + half * (travelled * travelled);
+          const B size = S::fast ? g2 * over_root<S>(one, g2) : S::sqrt(g2), all = one / (size * whole);
+          const B keep = memory * (all * size), scale = S::select(slides, limit * (all * whole), one);
+          const B creep = ct * middle + half * (travelled * limit);
+          const B pull = (travelled * all) * (creep - ct * (size * grow));
+          for (int q = 0; q < 3; ++q) {
+            h[q] = S::select(slides, keep * h[q] + pull * g[q], h[q]);
+            g[q] = g[q] * scale;
+          }
+        }
+        for (int q = 0; q < 3; ++q) {
+          S::store(b.h[q] + k, h[q]);
+          f[q] = f[q] + g[q];
+        }
+        S::store(b.h[3] + k, radius);
+        if constexpr (Energy) {
+          // A change of the contact radius changes F^2 / S_t by the ratio of the smaller to the larger one (F is
+          // rescaled on unloading; on loading S_t grows at constant F, to that of the mean radius before the increment
+          // and to that of the present one after it); neither partner gets that energy, it counts as friction.
+          B reach = moved, time = slid;
+          if (edges) {
+            const auto touch = [&](B& to, B value) {
+              to = S::select(brief, S::select(S::lt(vn, zero), value, to), to);
+            };
+            touch(time, S::set(0.75) * slid);
+            touch(reach, S::set(4.0 / 3.0) * moved);
+          }
+          const B stiffness = c.kt * reach, soft = zero - one / stiffness;
+          B way[3], most[3], h2 = zero;
+          for (int q = 0; q < 3; ++q) {
+            h2 = h2 + h[q] * h[q];
+            way[q] = soft * h[q];
+            most[q] = soft * trial[q];
+          }
+          const auto parts = S::lt(delta, S::select(S::gt(vn, zero), step, zero));
+          tangential_ledger<S>(b, k, {stiffness, stiffness * (reach / radius), mid * ct, time, parts, counted}, false,
+                               way, most, t);
+          const B kept = S::select(S::lt(radius, last), rescale, last / reach);
+          const B released = half * (before * (one - kept) + h2 * (one / reach - one / radius)) / c.kt;
+          S::store(b.e[2] + k, S::load(b.e[2] + k) + released);
+        }
       }
       S::store(b.r[4] + k, lever * (n[2] * g[1] - n[1] * g[2]));
       S::store(b.r[5] + k, lever * (n[0] * g[2] - n[2] * g[0]));
@@ -222,6 +266,11 @@ void hertz_force(Block& block, const LawArgs& args) {
 template <class S, bool Friction, bool Multi, bool Energy>
 void force(HertzMindlin, Block& b, const LawArgs& a) {
   hertz_force<S, Friction, Multi, Energy, false>(b, a);
+}
+
+template <class S, bool Friction, bool Multi, bool Energy>
+void force(PartialSlip, Block& b, const LawArgs& a) {
+  hertz_force<S, Friction, Multi, Energy, false, true>(b, a);
 }
 
 struct Jkr {

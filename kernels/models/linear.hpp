@@ -321,6 +321,7 @@ double linear_force(Block& block, const LawArgs& args) {
       S::store(b.e[2] + k, zero);
     }
     if constexpr (Friction) {
+      if (b.slid != nullptr) S::store(b.slid + k, slid);
       const B lever = a.contact_lever != 0 ? S::load(b.g[3] + k) : one;
       const B s[3] = {lever * S::load(b.r[4] + k), lever * S::load(b.r[5] + k), lever * S::load(b.r[6] + k)};
       B t[3];

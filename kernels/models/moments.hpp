@@ -11,7 +11,8 @@
 //     |M| <= mu_t R* N, dashpot -2 eta_t sqrt(I_t k_t) (w.n),  1/I_t = 1/(2/5 m_i r_i^2) + 1/(2/5 m_j r_j^2)
 // k_n is the stiffness that the law reports: that of the spring, or the tangent stiffness 2 E* a of Hertz. Where it
 // varies, the stored moments shrink with it and do not grow with it (as the tangential force of the Hertz law): no
-// closed loop yields energy.
+// closed loop yields energy; increments come at its mean over the step while it grows, which makes the integral second
+// order. Springs turn, and dashpots act, from the instant of touch on (Block::slid), as in the laws.
 // History: rolling moment [N m] (3 columns, oriented i - j; epsd), twisting moment about the own normal (1 column, the
 // same for both orientations), last stiffness (1 column; rescale), in this order.
 #pragma once
@@ -67,7 +68,6 @@ void moments(MomentBlock& b, const MomentArgs& args) {
   using B = typename S::B;
   const MomentArgs a = args;
   const B one = S::set(1.0), zero = S::set(0.0), half = S::set(0.5), dt = S::set(a.dt);
-  const B turned = S::set(a.start != 0 ? 0.0 : a.dt);  // how long the springs have turned with the grains
   const bool epsd = a.rolling == 2;
   const int twist_column = epsd ? 3 : 0, last_column = twist_column + a.twisting;
   for (int k = 0; k < b.n; k += S::W) {
@@ -83,14 +83,26 @@ void moments(MomentBlock& b, const MomentArgs& args) {
     const B arm = reff * S::load(b.r[7] + k);
     const B roll2 = (roll[0] * roll[0] + roll[1] * roll[1]) + roll[2] * roll[2];
     B m[3] = {zero, zero, zero}, elastic = zero, damped = zero, rubbed = zero;
-    B shrink = one, kept = one;  // of the stored moments, and of their energy
+    const B turned = S::load(b.slid + k);  // how long the springs have turned with the grains
+    B shrink = one, kept = one;            // of the stored moments, and of their energy
+    B reach = stiffness;                   // while the springs turned
     if (a.rescale != 0) {
-      const B last = S::load(b.h[last_column] + k);
+      // it has grown as the root of the time since touch: 2/3 of it on average
+      const B last = S::load(b.h[last_column] + k), mean = half * (stiffness + last);
       shrink = S::select(S::lt(stiffness, last), stiffness / last, one);
-      kept = S::select(S::gt(last, zero), S::select(S::lt(stiffness, last), shrink, last / stiffness), one);
+      reach = S::select(S::gt(last, zero), S::select(S::lt(mean, stiffness), mean, stiffness),
+                        S::set(2.0 / 3.0) * stiffness);
+      kept = S::select(S::gt(last, zero), S::select(S::lt(stiffness, last), shrink, last / reach), one);
       S::store(b.h[last_column] + k, stiffness);
     }
     const B spring_unit = (S::set(2.25) * stiffness) * (reff * reff);  // times mu^2
+    const B moving_unit = (S::set(2.25) * reach) * (reff * reff);
+    B onset = one;  // weight of the dashpots, see the laws
+    const auto touched = S::lt(turned, S::select(S::gt(turned, zero), dt, zero));
+    if (a.centred != 0 && S::any(touched)) {
+      const B u = turned / dt, q = half + u;
+      onset = S::select(touched, a.rescale != 0 ? S::set(0.8) * (q * S::sqrt(S::sqrt(q / u))) : q, one);
+    }
     if (a.rolling == 1) {
       const B speed = S::sqrt(roll2), full = c.rolling * arm;
       const B stop = speed / (dt * (S::set(3.5) * S::load(b.s[3] + k)));
@@ -100,20 +112,21 @@ void moments(MomentBlock& b, const MomentArgs& args) {
       rubbed = dt * (limit * speed);
     }
     if (epsd) {
-      const B kr = spring_unit * (c.rolling * c.rolling), limit = c.rolling * arm;
+      const B square = c.rolling * c.rolling, kr = spring_unit * square, limit = c.rolling * arm;
+      const B moving = moving_unit * square;
       const B before[3] = {S::load(b.h[0] + k), S::load(b.h[1] + k), S::load(b.h[2] + k)};
       const B along = (before[0] * n[0] + before[1] * n[1]) + before[2] * n[2];
       B h[3], old[3], trial[3];
       for (int q = 0; q < 3; ++q) {
         old[q] = (before[q] - along * n[q]) * shrink;
-        h[q] = trial[q] = old[q] - kr * (roll[q] * turned);
+        h[q] = trial[q] = old[q] - moving * (roll[q] * turned);
       }
       const B h2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2];
       const auto slides = S::gt(h2, limit * limit);
       const B inertia = one / S::load(b.s[3] + k);
       const B rate = (c.viscous + c.viscous) * S::sqrt(inertia * kr);
-      B damp = rate;
-      if (a.centred != 0) damp = rate / (one + (half * dt) * (rate * S::load(b.s[3] + k)));
+      B damp = rate * onset;
+      if (a.centred != 0) damp = damp / (one + (half * dt) * (damp * S::load(b.s[3] + k)));
       const B scale = S::select(slides, limit / S::sqrt(h2), one);
       damp = S::select(slides, zero, damp);
       for (int q = 0; q < 3; ++q) {
@@ -125,35 +138,38 @@ void moments(MomentBlock& b, const MomentArgs& args) {
         // as the tangential spring: the slider turns by (trial - h) / k_r against the mean of the moments before and
         // after; a pair without rolling friction (k_r = 0) has nothing to store
         const B soft = S::select(S::gt(kr, zero), one / kr, zero);
+        const B give = S::select(S::gt(kr, zero), one / moving, zero);
         const B m2 = (h[0] * h[0] + h[1] * h[1]) + h[2] * h[2],
                 o2 = (old[0] * old[0] + old[1] * old[1]) + old[2] * old[2];
         B slip = zero;
         for (int q = 0; q < 3; ++q) slip = slip + (half * (old[q] + h[q])) * (trial[q] - h[q]);
         elastic = half * (m2 * soft);
-        damped = S::select(slides, zero, dt * (rate * roll2));
+        damped = S::select(slides, zero, turned * (rate * roll2));
         // M^2 / (2 k) falls when k shrinks (M with it) and when k grows (M stays); neither partner gets that energy
-        rubbed = slip * soft + half * ((o2 / kept) * soft) * (one - kept);
+        rubbed = slip * give + (half * ((o2 / kept) * give) * (one - kept) + half * (m2 * (give - soft)));
       }
     }
     if (a.twisting != 0) {
-      const B kt = spring_unit * (c.twisting * c.twisting), limit = c.twisting * arm;
-      const B old = S::load(b.h[twist_column] + k) * shrink, trial = old - kt * (turn * turned);
+      const B square = c.twisting * c.twisting, kt = spring_unit * square, limit = c.twisting * arm;
+      const B moving = moving_unit * square;
+      const B old = S::load(b.h[twist_column] + k) * shrink, trial = old - moving * (turn * turned);
       B h = S::select(S::gt(trial, limit), limit, trial);
       h = S::select(S::lt(h, zero - limit), zero - limit, h);
       S::store(b.h[twist_column] + k, h);
       const auto slides = S::gt(S::abs(trial), limit);
       const B compliance = S::set(3.5) * S::load(b.s[3] + k);
       const B rate = (c.torsion + c.torsion) * S::sqrt(kt / compliance);
-      B damp = rate;
-      if (a.centred != 0) damp = rate / (one + (half * dt) * (rate * compliance));
+      B damp = rate * onset;
+      if (a.centred != 0) damp = damp / (one + (half * dt) * (damp * compliance));
       const B total = h - S::select(slides, zero, damp) * turn;
       for (int q = 0; q < 3; ++q) m[q] = m[q] + total * n[q];
       if (b.e != nullptr) {
         const B soft = S::select(S::gt(kt, zero), one / kt, zero);
+        const B give = S::select(S::gt(kt, zero), one / moving, zero);
         elastic = elastic + half * ((h * h) * soft);
-        damped = damped + S::select(slides, zero, dt * (rate * (turn * turn)));
-        rubbed =
-            rubbed + (half * (old + h)) * ((trial - h) * soft) + half * (((old * old) / kept) * soft) * (one - kept);
+        damped = damped + S::select(slides, zero, turned * (rate * (turn * turn)));
+        rubbed = rubbed + ((half * (old + h)) * ((trial - h) * give) +
+                           (half * (((old * old) / kept) * give) * (one - kept) + half * ((h * h) * (give - soft))));
       }
     }
     for (int q = 0; q < 3; ++q) S::store(b.s[q] + k, m[q]);

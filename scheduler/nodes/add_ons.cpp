@@ -22,6 +22,7 @@ MomentBlock moment_block(const World& w, const Block& b) {
   m.z = b.z;
   m.r = b.r;
   m.reff = b.reff;
+  m.slid = b.slid;
   m.pair = b.pair;
   m.e = w.has.energies ? b.e : nullptr;
   return m;

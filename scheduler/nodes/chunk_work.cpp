@@ -229,6 +229,7 @@ Block ContactBlocks::gather(std::int64_t k0, BlockBuffers& buffers) {
   b.pair = buffers.pair;
   b.e = buffers.e;
   b.t = buffers.t;
+  b.slid = w_.has.moments ? buffers.slid : nullptr;
   return b;
 }
 
@@ -425,7 +426,7 @@ void wall_chunk(World& w, Chunk& c) {
   // A wall is a partner of radius 0 and infinite mass at rest in its own spin: the same laws apply.
   alignas(64) double bx[k_block + k_pad], by[k_block + k_pad], bz[k_block + k_pad], bw[k_block + k_pad];
   alignas(64) double r[8][k_block + k_pad], e[3][k_block + k_pad], h[k_max_history][k_block + k_pad],
-      g[4][k_block + k_pad], reff[k_block + k_pad];
+      g[4][k_block + k_pad], reff[k_block + k_pad], slid[k_block + k_pad];
   alignas(64) std::int32_t pair[k_block + k_pad];
   const auto law = w.kernels->law[w.law_variant];
   const int mass_lane = w.has.rotation ? 7 : 3;
@@ -469,6 +470,7 @@ void wall_chunk(World& w, Chunk& c) {
     b.reff = reff;
     b.pair = pair;
     b.e = e;
+    b.slid = w.has.moments ? slid : nullptr;
     LawArgs args = w.law_args;
     if (!w.has.materials) args.one = w.parameters[0];
     // The mid-step normal of the synchronised form is that of two spheres, which turns with their chord. A wall's

@@ -219,6 +219,8 @@ std::uint64_t state_hash(const World& w) {
     sum += XXH3_64bits(&t, sizeof t);
   }
   if (w.has.history_columns > 0 || w.has.adhesion) {  // a neck beyond touch is state, with or without history
+    const std::size_t unused =
+        static_cast<std::size_t>(k_max_history - std::max(w.has.law_columns, k_usual_history)) * sizeof(double);
     const auto add_contact = [&](const ContactEntry& e) {
       if (!w.is_alive(e.a) || !w.is_alive(e.b)) return;
       struct {
@@ -229,7 +231,7 @@ std::uint64_t state_hash(const World& w) {
       t.a = w.id[flip ? e.b : e.a];
       t.b = w.id[flip ? e.a : e.b];
       for (int k = 0; k < w.has.law_columns; ++k) t.h[k] = flip && w.flips(k) ? -e.h[k] : e.h[k];
-      sum += XXH3_64bits(&t, sizeof t);
+      sum += XXH3_64bits(&t, sizeof t - unused);
       if (w.has.moments) {
         double m[k_max_moment + 2] = {};
         std::memcpy(m, &t.a, sizeof t.a);
@@ -253,7 +255,7 @@ std::uint64_t state_hash(const World& w) {
       t.id = w.id[s.row];
       t.wall = -1 - s.contact.wall;
       for (int k = 0; k < w.has.law_columns; ++k) t.h[k] = s.h[k];
-      sum += XXH3_64bits(&t, sizeof t);
+      sum += XXH3_64bits(&t, sizeof t - unused);
       if (w.has.moments) {
         double m[k_max_moment + 2] = {};
         std::memcpy(m, &t.id, sizeof t.id);

@@ -169,7 +169,7 @@ Decision check_step(World& w, std::int64_t target) {
     d.stop = true;
     return d;
   }
-  w.law_args.start = w.moment_args.start = w.step == 0 ? 1 : 0;
+  w.law_args.start = w.step == 0 ? 1 : 0;
   if (w.has.walls) w.walls.set_step(w.step, w.scene.dt);
   if (w.has.moving_walls) judge_walls(w);
   const bool insertion = w.has.insertion && w.insertion->next_step(w.step) == w.step;

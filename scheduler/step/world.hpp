@@ -230,7 +230,8 @@ struct Setup {
   int pair_index(int a, int b) const { return a * static_cast<int>(scene.materials.size()) + b; }
   /// History column q changes sign when the partners of a contact are swapped.
   bool flips(int q) const {
-    if (q < has.law_columns) return has.rotation && q < 3;  // the tangential spring; scalars are the same for both
+    // the tangential spring, and the second part of partial slip; scalars are the same for both
+    if (q < has.law_columns) return has.rotation && (q < 3 || (scene.contact.partial_slip && q > 3 && q < 7));
     return ((moment_flips >> (q - has.law_columns)) & 1U) != 0;
   }
 };
@@ -403,6 +404,7 @@ void narrow_chunk(World& w, Chunk& c);
 struct BlockBuffers {
   alignas(64) double x[4][k_block + k_pad], g[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad],
       reff[k_block + k_pad];
+  alignas(64) double slid[k_block + k_pad];              ///< see Block::slid; rolling and twisting only
   alignas(64) double t[3][k_block + k_pad];              ///< see Block::t
   alignas(64) double s[4][k_block + k_pad];              ///< spins, then moments; rolling and twisting only
   alignas(64) double h[k_max_history][k_block + k_pad];  ///< history of a block whose contacts have moved

@@ -49,7 +49,7 @@ std::unique_ptr<World> copy_of(const World& w) {
   c.fixed = w.fixed;
   c.alive = w.alive;
   c.step = w.step;
-  c.law_args.start = c.moment_args.start = c.step == 0 ? 1 : 0;
+  c.law_args.start = c.step == 0 ? 1 : 0;
   c.gravity = w.gravity;
   c.walls = w.walls;
   if (c.has.walls) c.walls.set_step(c.step, c.scene.dt);

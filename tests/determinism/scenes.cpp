@@ -275,6 +275,23 @@ Scene sticky_drum() {
   return s;
 }
 
+Scene slipping_drum() {
+  // The widest history: partial slip, the dashpot's prediction, rolling and twisting springs.
+  Scene s = hertz_drum();
+  s.title = "slipping drum";
+  s.output.energies = true;
+  s.contact.partial_slip = true;
+  s.contact.rolling = Rolling::epsd;
+  s.contact.twisting = true;
+  for (PairCoefficients& p : s.pairs) {
+    p.rolling_friction = 0.2;
+    p.rolling_damping = 0.3;
+    p.twisting_friction = 0.1;
+    p.twisting_damping = 0.2;
+  }
+  return s;
+}
+
 Scene cohesive_pile() {
   // Attraction by contact area and constant rolling moments on a turning mesh, with the energy ledger.
   Scene s = pile_on_mesh();
@@ -349,6 +366,7 @@ const std::vector<NamedScene>& scenes() {
                                               {"pile_on_mesh", pile_on_mesh},
                                               {"hertz_drum", hertz_drum},
                                               {"sticky_drum", sticky_drum},
+                                              {"slipping_drum", slipping_drum},
                                               {"cohesive_pile", cohesive_pile},
                                               {"crossing_walls", crossing_walls}};
   return all;

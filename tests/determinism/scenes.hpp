@@ -22,6 +22,7 @@ Scene gas();             ///< periodic in all directions, frictionless, elastic
 Scene pile_on_mesh();    ///< diameters 1:4 falling on a bumpy, rocking mesh, periodic in y; energies on
 Scene hertz_drum();      ///< Hertz-Mindlin, two materials, rotating drum, vibrating plane
 Scene sticky_drum();     ///< the same with JKR necks, rolling and twisting springs
+Scene slipping_drum();   ///< the Hertz drum with partial slip, rolling and twisting springs; energies on
 Scene cohesive_pile();   ///< the pile with attraction and constant rolling moments
 Scene crossing_walls();  ///< periodic in all directions; walls that move, turn and shake across the sides; rolling
 

@@ -219,10 +219,13 @@ void check_moments(Values& s) {
   const auto c = std::make_unique<Contact>(s, 1e-4, 2e-2);
   const KernelTable& k = select_kernels(Isa::scalar);
   const Block b = c->gathered(k, true);
+  const double slid = s.flag() != 0 ? a.dt : s.flag() * s.between(0.01, 0.99) * a.dt;
   const double pressing = s.flag() * s.between(0, 5), stiffness = s.between(50, 150);
   c->r[3][0] = stiffness;
   c->r[7][0] = pressing;
   k.spin({c->p, c->v, c->i, c->j, 1, c->s});
+  alignas(64) double slid_of[8];
+  std::fill_n(slid_of, 8, slid);
   MomentBlock m{};
   m.n = 1;
   m.x = b.x;
@@ -230,6 +233,7 @@ void check_moments(Values& s) {
   m.z = b.z;
   m.r = c->r;
   m.reff = c->reff;
+  m.slid = slid_of;
   m.pair = c->material;
   m.s = c->s;
   const int twist = a.rolling == 2 ? 3 : 0, last = twist + a.twisting;
@@ -242,7 +246,7 @@ void check_moments(Values& s) {
   const auto sides = {0.0, -k_switch, k_switch};
   for (const double press : sides) {
     reference::MomentHistory h{c->rolling, c->twisting, c->stiffness};
-    const Vec3 wanted = reference::moments(c->pair, (1 + press) * pressing, stiffness, a.one, a, h);
+    const Vec3 wanted = reference::moments(c->pair, (1 + press) * pressing, stiffness, slid, a.one, a, h);
     const double tolerance = press == 0 ? 1e-11 : 100 * k_switch;
     bool same = near(found, wanted, tolerance);
     if (a.rolling == 2) same = same && near({c->h[0][0], c->h[1][0], c->h[2][0]}, h.rolling, tolerance);

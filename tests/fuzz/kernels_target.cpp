@@ -108,7 +108,7 @@ LawArgs law_args(Values& s) {
 /// A gathered block with its histories.
 struct Ready {
   alignas(64) Column8 x{}, g{}, r{}, e{}, t{}, s{};
-  alignas(64) double reff[k_size] = {};
+  alignas(64) double reff[k_size] = {}, slid[k_size] = {};
   alignas(64) std::int32_t pair[k_size] = {};
   Column<double> h[k_max_columns];
   Block block{};
@@ -143,6 +143,7 @@ struct Ready {
     block.pair = pair;
     block.e = e;
     block.t = t;
+    block.slid = slid;
   }
   Ready(const Ready&) = delete;
 };
@@ -194,6 +195,7 @@ Outcome run_block(const KernelTable& k, const Input& in, const LawInfo& law, con
     m.z = b->x[2];
     m.r = b->r;
     m.reff = b->reff;
+    m.slid = b->slid;
     m.pair = b->pair;
     m.s = b->s;
     for (int q = 0; q < k_max_moment; ++q) m.h[q] = b->h[k_max_history + q].data();
@@ -336,7 +338,7 @@ Outcome run_integrate(const KernelTable& k, const Input& in, const Course& c) {
 
 void kernels(Bytes input) {
   Values s(input);
-  const int what = s.below(6), model = s.below(3), kind = 2 * s.below(4), periodic = s.flag();
+  const int what = s.below(6), model = s.below(4), kind = 2 * s.below(4), periodic = s.flag();
   const unsigned was = s.byte();
   const LawArgs args = law_args(s);
   const AddOns add = add_ons(s, args);
@@ -350,8 +352,12 @@ void kernels(Bytes input) {
   if (what == 2) return same_on_all("integration", [&](const KernelTable& k) { return run_integrate(k, *in, course); });
   if (what == 3 && in->rotation != 0 && args.balanced == 0)
     return same_on_all("trial", [&](const KernelTable& k) { return run_trial(k, *in, args, periodic); });
-  static constexpr ContactModel k_models[] = {ContactModel::linear, ContactModel::hertz_mindlin, ContactModel::jkr};
-  const LawInfo& law = law_info(k_models[model]);
+  static constexpr ContactModel k_models[] = {ContactModel::linear, ContactModel::hertz_mindlin, ContactModel::jkr,
+                                              ContactModel::hertz_mindlin};
+  ContactLaw chosen;
+  chosen.model = k_models[model];
+  chosen.partial_slip = model == 3;
+  const LawInfo& law = law_info(chosen);
   same_on_all("contact law", [&](const KernelTable& k) { return run_block(k, *in, law, args, kind, periodic, add); });
 }
 

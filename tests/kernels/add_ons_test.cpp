@@ -23,7 +23,7 @@ struct Contacts {
   std::vector<reference::Pair> pairs;
   Column<double> p, v;
   Column<std::int32_t> i, j;
-  alignas(64) double x[4][k_size] = {}, r[8][k_size] = {}, reff[k_size], h[k_max_moment][k_size] = {};
+  alignas(64) double x[4][k_size] = {}, r[8][k_size] = {}, reff[k_size], slid[k_size], h[k_max_moment][k_size] = {};
 
   Contacts(int count, std::uint64_t seed, double relative_overlap = 0.01) : n(count) {
     const CounterRng rng(seed, 1, 0);
@@ -33,6 +33,7 @@ struct Contacts {
     v.assign(8 * static_cast<std::size_t>(2 * n + 16), 0.0);
     for (int k = 0; k < k_size; ++k) {
       reff[k] = 1;
+      slid[k] = 1e-3 * (k % 5 == 4 ? 0.5 + 0.4 * std::sin(k) : k % 11 == 3 ? 0 : 1);  // touched, at the start, usual
       x[0][k] = x[3][k] = 1;
       r[7][k] = 1;
     }
@@ -87,7 +88,6 @@ struct MomentResult {
 MomentArgs moment_arguments(int variant) {
   MomentArgs a{};
   a.one = {0.3, 0.2, 0.1, 0.25, 0};
-  a.start = variant % 5 == 4 ? 1 : 0;
   a.dt = 1e-3;
   a.rolling = variant % 3;
   a.twisting = variant / 3 % 2;
@@ -127,6 +127,7 @@ MomentResult run_moments(const KernelTable& k, Contacts& c, const MomentArgs& ar
   b.z = x[2];
   b.r = r;
   b.reff = c.reff;
+  b.slid = c.slid;
   b.pair = pair;
   b.s = s;
   b.e = energy ? e : nullptr;
@@ -155,7 +156,7 @@ TEST(Moments, AgreeWithTheScalarOracle) {
     for (int k = 0; k < c.n; ++k) {
       const auto s = static_cast<std::size_t>(k);
       reference::MomentHistory h{{c.h[0][k], c.h[1][k], c.h[2][k]}, c.h[3][k], c.h[4][k]};
-      const Vec3 m = reference::moments(c.pairs[s], c.r[7][k], c.r[3][k], a.one, a, h);
+      const Vec3 m = reference::moments(c.pairs[s], c.r[7][k], c.r[3][k], c.slid[k], a.one, a, h);
       for (int q = 0; q < 3; ++q) {
         ASSERT_NEAR(o.m[q][s], m[q], 1e-13) << "variant " << variant << " pair " << k;
         if (a.rolling == 2) {

@@ -12,14 +12,25 @@ namespace {
 
 constexpr double k_radius = 0.01;
 
-Scene law_scene(bool hertz, double mu, double dt) {
+enum class Law { linear, hertz, partial_slip };
+constexpr Law k_laws[] = {Law::linear, Law::hertz, Law::partial_slip};
+
+std::string name_of(Law law) { return law == Law::linear ? "linear" : law == Law::hertz ? "hertz" : "partial slip"; }
+
+/// e, or the damping rates of the linear law [1/s].
+void set_law(Scene& s, Law law, double mu, double e, double rate) {
+  if (law == Law::linear)
+    linear_law(s, 1e5, rate, 8e4, rate, mu);
+  else
+    hertz_law(s, e, mu);
+  s.contact.partial_slip = law == Law::partial_slip;
+}
+
+Scene law_scene(Law law, double mu, double dt) {
   Scene s = open_scene({0, 0, 0}, {1, 1, 1}, dt);
   s.materials[0].young = 1e8;
   s.materials[0].poisson = 0.25;
-  if (hertz)
-    hertz_law(s, 1, mu);
-  else
-    linear_law(s, 1e5, 0, 8e4, 0, mu);
+  set_law(s, law, mu, 1, 0);
   s.contact.friction = true;
   return s;
 }
@@ -38,9 +49,9 @@ struct Ledger {
 };
 
 /// Drives the contact through the corners in straight lines of `steps` steps; starts from zero overlap.
-Ledger drive(bool hertz, double mu, const std::vector<Corner>& corners, int steps) {
+Ledger drive(Law law, double mu, const std::vector<Corner>& corners, int steps) {
   const double unit = 1e-3 * k_radius;
-  const Scene s = law_scene(hertz, mu, 1e-6);
+  const Scene s = law_scene(law, mu, 1e-6);
   KernelContact contact(s, k_radius, k_radius, 2 / sphere_mass(2500, k_radius));
   Ledger out;
   Vec3 x{0, 0, 2 * k_radius}, force;
@@ -80,10 +91,10 @@ const std::vector<std::pair<const char*, std::vector<Corner>>> k_loops = {
      {{2, 0}, {2, 0.4}, {0.5, 0.4}, {0.5, -0.4}, {2, -0.4}, {2, 0.4}, {0.5, 0.4}, {0.5, -0.4}, {2, -0.4}, {2, 0}}},
     {"unload to nothing", {{2, 0}, {2, 0.5}, {1e-6, 0.5}, {1e-6, 0}, {2, 0}, {1e-6, 0}}}};
 
-void check_loops(bool hertz, double mu) {
-  const std::string law = std::string(hertz ? "hertz" : "linear") + " mu " + std::to_string(mu).substr(0, 4);
+void check_loops(Law which, double mu) {
+  const std::string law = name_of(which) + " mu " + std::to_string(mu).substr(0, 4);
   for (const auto& [name, corners] : k_loops) {
-    const Ledger l = drive(hertz, mu, corners, 20000);
+    const Ledger l = drive(which, mu, corners, 20000);
     figure(law + ", " + name + ": work of the loops / stored energy", l.work / l.scale);
     figure(law + ", " + name + ": ledger error / stored energy", l.worst / l.scale);
     // The trapezoidal work of the path and the law's ledger follow the same rule: the linear law closes to rounding,
@@ -94,10 +105,12 @@ void check_loops(bool hertz, double mu) {
   }
 }
 
-TEST(PhysicsContactPath, HertzLoopsNeverCreateEnergyWithoutSliding) { check_loops(true, 100); }
-TEST(PhysicsContactPath, HertzLoopsNeverCreateEnergyWithSliding) { check_loops(true, 0.2); }
-TEST(PhysicsContactPath, LinearLoopsNeverCreateEnergyWithoutSliding) { check_loops(false, 100); }
-TEST(PhysicsContactPath, LinearLoopsNeverCreateEnergyWithSliding) { check_loops(false, 0.2); }
+TEST(PhysicsContactPath, HertzLoopsNeverCreateEnergyWithoutSliding) { check_loops(Law::hertz, 100); }
+TEST(PhysicsContactPath, HertzLoopsNeverCreateEnergyWithSliding) { check_loops(Law::hertz, 0.2); }
+TEST(PhysicsContactPath, PartialSlipLoopsNeverCreateEnergyWithoutSliding) { check_loops(Law::partial_slip, 100); }
+TEST(PhysicsContactPath, PartialSlipLoopsNeverCreateEnergyWithSliding) { check_loops(Law::partial_slip, 0.2); }
+TEST(PhysicsContactPath, LinearLoopsNeverCreateEnergyWithoutSliding) { check_loops(Law::linear, 100); }
+TEST(PhysicsContactPath, LinearLoopsNeverCreateEnergyWithSliding) { check_loops(Law::linear, 0.2); }
 
 TEST(PhysicsContactPath, RandomClosedLoopsNeverCreateEnergy) {
   // From a virgin contact the driver's total can never fall below zero, whatever the path.
@@ -107,8 +120,7 @@ TEST(PhysicsContactPath, RandomClosedLoopsNeverCreateEnergy) {
     for (int k = 0; k < 12; ++k)
       corners.push_back({0.05 + 2 * uniform(7 + seed, 2 * k), 2 * uniform(7 + seed, 2 * k + 1) - 1});
     corners.push_back({0.01, 0});
-    const bool hertz = seed % 4 != 0;
-    const Ledger l = drive(hertz, seed % 3 == 0 ? 100 : 0.3, corners, 1000);
+    const Ledger l = drive(k_laws[std::min(seed % 4, 2)], seed % 3 == 0 ? 100 : 0.3, corners, 1000);
     lowest = std::min(lowest, l.lowest / l.scale);
   }
   figure("200 random loops: least work / stored energy", lowest);
@@ -117,12 +129,9 @@ TEST(PhysicsContactPath, RandomClosedLoopsNeverCreateEnergy) {
 
 TEST(PhysicsContactPath, SlidingHeatsTheSliderAndNotTheDashpot) {
   // Spins drive a contact of fixed overlap steadily: after the first steps all work is friction, |F_t| times the way.
-  for (const bool hertz : {false, true}) {
-    Scene s = law_scene(hertz, 0.3, 1e-6);
-    if (hertz)
-      hertz_law(s, 0.5, 0.3);
-    else
-      linear_law(s, 1e5, 800, 8e4, 800, 0.3);
+  for (const Law which : k_laws) {
+    Scene s = law_scene(which, 0.3, 1e-6);
+    set_law(s, which, 0.3, 0.5, 800);
     KernelContact contact(s, k_radius, k_radius, 2 / sphere_mass(2500, k_radius));
     const double d = 2 * k_radius * (1 - 5e-4), spin = 0.5;
     double work = 0, friction = 0, damping = 0;
@@ -133,7 +142,7 @@ TEST(PhysicsContactPath, SlidingHeatsTheSliderAndNotTheDashpot) {
       friction += r.friction;
       damping += r.damping;
     }
-    const std::string law = hertz ? "hertz" : "linear";
+    const std::string law = name_of(which);
     figure(law + ", steady sliding: friction loss / work - 1", friction / work - 1);
     figure(law + ", steady sliding: damping loss / work", damping / work);
     EXPECT_GT(work, 0);
@@ -148,20 +157,18 @@ struct Stopped {
   double friction, damping;
 };
 
-Stopped slide_to_rolling(bool hertz, double speed) {
+Stopped slide_to_rolling(Law law, double speed) {
   const double r = k_radius, g = 9.81, mu = 0.3;
-  Scene s = law_scene(hertz, mu, 2e-6);
-  if (hertz)
-    hertz_law(s, 0.5, mu);
-  else
-    linear_law(s, 1e5, 800, 8e4, 800, mu);
+  Scene s = law_scene(law, mu, 2e-6);
+  set_law(s, law, mu, 0.5, 800);
   s.contact.friction = true;
   s.gravity = {0, 0, -g};
   s.output.energies = s.allow_initial_overlap = true;
   s.walls = {plane("floor", {0, 0, 0}, {0, 0, 1})};
   const double m = sphere_mass(2500, r);
   const double e_star = 0.5 * 1e8 / (1 - 0.0625);
-  const double rest = hertz ? std::pow(m * g / (4.0 / 3.0 * e_star * std::sqrt(r)), 2.0 / 3.0) : m * g / 1e5;
+  const double rest =
+      law != Law::linear ? std::pow(m * g / (4.0 / 3.0 * e_star * std::sqrt(r)), 2.0 / 3.0) : m * g / 1e5;
   add_grains(s, {{{0.1, 0.5, r - rest}, {speed, 0, 0}, r}});
   Simulation sim(s, options());
   // v - w r falls at 7/2 mu g: rolls after 2/7 v/(mu g)
@@ -172,9 +179,9 @@ Stopped slide_to_rolling(bool hertz, double speed) {
 }
 
 TEST(PhysicsContactPath, SlidingToRollingIsBookedAsFriction) {
-  for (const bool hertz : {false, true}) {
-    const Stopped b = slide_to_rolling(hertz, 0.5);
-    const std::string law = hertz ? "hertz" : "linear";
+  for (const Law which : k_laws) {
+    const Stopped b = slide_to_rolling(which, 0.5);
+    const std::string law = name_of(which);
     figure(law + ", from sliding to rolling: friction loss / (m v^2/7)", b.friction);
     figure(law + ", from sliding to rolling: damping loss / (m v^2/7)", b.damping);
     EXPECT_NEAR(b.friction, 1, 1e-2);
@@ -184,9 +191,9 @@ TEST(PhysicsContactPath, SlidingToRollingIsBookedAsFriction) {
 
 /// Rigid rotation of a touching pair about an axis through its centre, with spins: largest tangential force over one
 /// turn relative to k_t times the arc that the contact point travels.
-double rigid_rotation(bool hertz, bool synchronised, Vec3 axis, int steps) {
+double rigid_rotation(Law law, bool synchronised, Vec3 axis, int steps) {
   const double dt = 1e-6, angle = 2 * k_pi / steps, overlap = 1e-3 * k_radius, d = 2 * k_radius - overlap;
-  Scene s = law_scene(hertz, 100, dt);
+  Scene s = law_scene(law, 100, dt);
   s.contact.synchronised = synchronised;
   KernelContact contact(s, k_radius, k_radius, 2 / sphere_mass(2500, k_radius));
   const Vec3 n0{1, 0, 0}, n1 = cross(axis, n0);
@@ -210,24 +217,24 @@ double rigid_rotation(bool hertz, bool synchronised, Vec3 axis, int steps) {
 
 TEST(PhysicsContactPath, RigidRotationCreatesNoForce) {
   const Vec3 axes[] = {{0, 0, 1}, {0, 0.6, 0.8}, {0.48, 0.6, 0.64}};
-  for (const bool hertz : {false, true}) {
-    const std::string law = hertz ? "hertz" : "linear";
+  for (const Law which : k_laws) {
+    const std::string law = name_of(which);
     for (const Vec3& axis : axes) {
-      const double coarse = rigid_rotation(hertz, true, axis, 10000), fine = rigid_rotation(hertz, true, axis, 20000);
+      const double coarse = rigid_rotation(which, true, axis, 10000), fine = rigid_rotation(which, true, axis, 20000);
       figure(law + ": force of one rigid turn in 1e4 steps / normal force", coarse);
       figure(law + ": ratio for half the step", coarse / fine);
       EXPECT_LT(coarse, 1e-3);
       // the chord and the arc differ by (angle)^2/24 per step, summed over a turn: second order
       EXPECT_GT(coarse / fine, 1.9);
     }
-    const double plain = rigid_rotation(hertz, false, {0, 0, 1}, 10000);
+    const double plain = rigid_rotation(which, false, {0, 0, 1}, 10000);
     figure(law + ", not synchronised: force of one rigid turn in 1e4 steps / normal force", plain);
-    EXPECT_GT(plain, 1.5 * rigid_rotation(hertz, true, {0, 0, 1}, 10000));  // the control: the form matters
+    EXPECT_GT(plain, 1.5 * rigid_rotation(which, true, {0, 0, 1}, 10000));  // the control: the form matters
   }
 }
 
 TEST(PhysicsContactPath, RigidTranslationCreatesNoForce) {
-  const Scene s = law_scene(true, 100, 1e-6);
+  const Scene s = law_scene(Law::hertz, 100, 1e-6);
   KernelContact contact(s, k_radius, k_radius, 2 / sphere_mass(2500, k_radius));
   const Vec3 x{1.2 * k_radius, 0, 1.598 * k_radius};
   const Vec3 first = contact.step(x, {0, 0, 0}, {0, 0, 0}).force;

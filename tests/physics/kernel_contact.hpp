@@ -21,7 +21,7 @@ class KernelContact {
   /// Two spheres of radii r_i, r_j and the masses that the scene's first material gives them.
   KernelContact(const Scene& scene, double r_i, double r_j, double inverse_mass, Isa isa = Isa::automatic)
       : table_(select_kernels(isa)), parameters_(pair_parameters(scene)), sum_(r_i + r_j), inverse_mass_(inverse_mass) {
-    const LawInfo& law = law_info(scene.contact.model);
+    const LawInfo& law = law_info(scene.contact);
     law_ = table_.law[law_index(law, true, false, true)];
     args_.one = parameters_[0];
     args_.table = parameters_.data();

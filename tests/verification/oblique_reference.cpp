@@ -2,21 +2,36 @@
 #include "oblique_reference.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace talus::verification {
 namespace {
 
-/// What is integrated: separation, velocities, spins, tangential spring (linear: its length, Hertz: its force on a),
-/// rolling and twisting moment.
+/// What is integrated: separation, velocities, spins, tangential spring (linear: its length, Hertz: its force on a;
+/// partial slip: force and second Legendre part of its distribution), rolling and twisting moment.
 struct State {
-  Vec3 x, va, vb, wa, wb, spring, roll;
+  Vec3 x, va, vb, wa, wb, spring, second, roll;
   double twist = 0;
 };
 
+/// Rings of partial slip: Gauss points s^2 = (3 -+ 2 sqrt(6/5))/7 of the contact radius.
+struct Ring {
+  double weight, p2, limit;
+};
+std::array<Ring, 2> rings() {
+  std::array<Ring, 2> out;
+  for (int k = 0; k < 2; ++k) {
+    const double sign = k == 0 ? -1 : 1, s2 = (3 + sign * 2 * std::sqrt(1.2)) / 7;
+    const double weight = 0.5 - sign * std::sqrt(30.0) / 36;
+    out[static_cast<std::size_t>(k)] = {weight, (3 * s2 - 1) / 2, 1.5 * weight * (1 - s2)};
+  }
+  return out;
+}
+
 State plus(const State& a, double h, const State& d) {
-  return {a.x + h * d.x,   a.va + h * d.va,         a.vb + h * d.vb,     a.wa + h * d.wa,
-          a.wb + h * d.wb, a.spring + h * d.spring, a.roll + h * d.roll, a.twist + h * d.twist};
+  return {a.x + h * d.x,           a.va + h * d.va,         a.vb + h * d.vb,     a.wa + h * d.wa,      a.wb + h * d.wb,
+          a.spring + h * d.spring, a.second + h * d.second, a.roll + h * d.roll, a.twist + h * d.twist};
 }
 
 struct Impact {
@@ -54,6 +69,30 @@ struct Impact {
     return c;
   }
 
+  /// Rates of both parts of a distribution in rings; returns the tangential force. `grown`: a'/a. While the contact
+  /// grows the stored force spreads at constant force and second moment, while it shrinks it is cut off.
+  Vec3 ring_rates(const State& s, const Contact& c, double grown, State& d) const {
+    if (grown > 0) {
+      d.second = (-2 * grown) * s.second - (5 * grown) * s.spring;
+    } else {
+      d.spring = grown * (s.spring + s.second);
+      d.second = (3 * grown) * s.second;
+    }
+    Vec3 total;
+    for (const Ring& r : rings()) {
+      const Vec3 pull = r.weight * (s.spring + r.p2 * s.second);
+      Vec3 ft = pull - (r.weight * c.ct) * c.vt, creep = c.vt;
+      if (norm(ft) > r.limit * c.limit) {
+        ft = (r.limit * c.limit / norm(ft)) * ft;
+        if (c.ct > 0) creep = (1 / (r.weight * c.ct)) * (pull - ft);
+      }
+      total = total + ft;
+      d.spring = d.spring - (r.weight * c.kt) * creep;
+      d.second = d.second - (5 * r.p2 * r.weight * c.kt) * creep;
+    }
+    return total;
+  }
+
   State rate(const State& s) const {
     const Contact c = contact(s);
     const double stiff = law.hertz ? 1.5 * law.kn * std::sqrt(reff * c.delta) : law.kn;
@@ -69,8 +108,15 @@ struct Impact {
     // the contact point of a plane follows the sphere: its normal does not turn
     d.x = b.r > 0 ? s.va - s.vb : c.vn * c.n;
     const Vec3 turn = (1 / norm(s.x)) * (d.x - c.vn * c.n);
-    d.spring = (law.hertz ? -c.kt : 1.0) * creep - dot(s.spring, turn) * c.n;
-    if (law.hertz && c.vn > 0 && c.delta > 0) d.spring = d.spring - (0.5 * c.vn / c.delta) * s.spring;  // a'/a
+    const double grown = c.delta > 0 ? -0.5 * c.vn / c.delta : 0;  // a'/a
+    if (law.partial_slip) {
+      ft = ring_rates(s, c, grown, d);
+      d.second = d.second - dot(s.second, turn) * c.n;
+    } else {
+      d.spring = (law.hertz ? -c.kt : 1.0) * creep;
+      if (law.hertz && grown < 0) d.spring = d.spring + grown * s.spring;
+    }
+    d.spring = d.spring - dot(s.spring, turn) * c.n;
     const Vec3 w = s.wa - s.wb;
     const double spin = dot(w, c.n);
     const Vec3 rolling = w - spin * c.n;
@@ -103,9 +149,22 @@ struct Impact {
   void limit(State& s) const {
     const Contact c = contact(s);
     s.spring = s.spring - dot(s.spring, c.n) * c.n;
+    s.second = s.second - dot(s.second, c.n) * c.n;
     s.roll = s.roll - dot(s.roll, c.n) * c.n;
     const double most = law.hertz ? c.limit : c.limit / c.kt;
-    if (c.ct == 0 && norm(s.spring) > most) s.spring = (most / norm(s.spring)) * s.spring;
+    if (law.partial_slip && c.ct == 0) {
+      Vec3 whole, second;
+      for (const Ring& r : rings()) {
+        Vec3 pull = r.weight * (s.spring + r.p2 * s.second);
+        if (norm(pull) > r.limit * most) pull = (r.limit * most / norm(pull)) * pull;
+        whole = whole + pull;
+        second = second + (5 * r.p2) * pull;
+      }
+      s.spring = whole;
+      s.second = second;
+    } else if (c.ct == 0 && norm(s.spring) > most) {
+      s.spring = (most / norm(s.spring)) * s.spring;
+    }
     const double bend = law.rolling * reff * c.elastic, twist = law.twisting * reff * c.elastic;
     if (norm(s.roll) > bend) s.roll = (bend / norm(s.roll)) * s.roll;
     s.twist = std::clamp(s.twist, -twist, twist);

@@ -15,8 +15,9 @@ struct Body {
 
 struct ObliqueLaw {
   bool hertz = false;
-  double kn = 0, kt = 0;  ///< linear: [N/m]; Hertz: 4/3 E*, 8 G* [Pa]
-  double gn = 0, gt = 0;  ///< linear: rates [1/s]; Hertz: alpha and its tangential part [-]
+  bool partial_slip = false;  ///< two rings of the contact area, as kernels/models/partial_slip.hpp; Hertz only
+  double kn = 0, kt = 0;      ///< linear: [N/m]; Hertz: 4/3 E*, 8 G* [Pa]
+  double gn = 0, gt = 0;      ///< linear: rates [1/s]; Hertz: alpha and its tangential part [-]
   double mu = 0;
   double rolling = 0, viscous = 0, twisting = 0, torsion = 0;  ///< as kernels/models/moments.hpp
 };

@@ -20,6 +20,7 @@ struct Setting {
   double e = 1, damping = 0, mu = 0.3;  ///< damping: ratio of the tangential dashpot (linear)
   Partner partner = Partner::sphere;
   bool moments = false;  ///< rolling (epsd) and twisting resistance
+  bool partial_slip = false;
 };
 
 constexpr int k_impacts = 5;
@@ -27,11 +28,11 @@ constexpr double k_depth = 0.02;  ///< closing speed times contact time / sum of
 
 std::string name_of(const Setting& q) {
   char text[160];
-  std::snprintf(text, sizeof text, "%s%s%s e %.2g damping %.2g mu %.2g", q.hertz ? "Hertz" : "linear",
+  std::snprintf(text, sizeof text, "%s%s%s%s e %.2g damping %.2g mu %.2g", q.hertz ? "Hertz" : "linear",
                 q.partner == Partner::plane  ? " on plane"
                 : q.partner == Partner::mesh ? " on mesh"
                                              : "",
-                q.moments ? " rolling" : "", q.e, q.damping, q.mu);
+                q.moments ? " rolling" : "", q.partial_slip ? " partial slip" : "", q.e, q.damping, q.mu);
   return text;
 }
 
@@ -89,6 +90,7 @@ Scene scene_of(const Setting& q, double dt) {
     s.materials[1].name = "rigid";
     s.materials[1].young *= 1e9;
     hertz_law(s, q.e, q.mu);
+    s.contact.partial_slip = q.partial_slip;
   } else {
     const double kn = m * k_pi * k_pi, kt = 2.0 / 7.0 * 0.8 * kn;
     linear_restitution(s, kn, q.e, kt, q.mu);
@@ -122,6 +124,7 @@ Scene scene_of(const Setting& q, double dt) {
 ObliqueLaw law_of(const Scene& s, const Setting& q, const Shot& shot) {
   ObliqueLaw law;
   law.hertz = q.hertz;
+  law.partial_slip = q.partial_slip;
   const int other = q.partner == Partner::sphere ? 0 : q.hertz ? 1 : 0;
   const PairCoefficients& c = s.pair(0, other);
   law.mu = q.mu;
@@ -245,7 +248,7 @@ Errors check(const Setting& q, double floor = 2e-6) {
   // Weak damping: the first steps are better than their order, so the last decade counts. Rolling: the published law
   // cuts its dashpot off at the limit, a jump that no step resolves better than to first order.
   if (e.fine > floor) {
-    EXPECT_GE(std::max(e.slope, std::log10(e.n1000 / e.fine)), q.moments ? 0.85 : 0.9) << name_of(q);
+    EXPECT_GE(std::max(e.slope, std::log10(e.n1000 / e.fine)), 0.9) << name_of(q);
   }
   return e;
 }
@@ -263,10 +266,17 @@ void sweep(bool hertz, Partner partner, bool moments, const std::vector<double>&
       }
   figure("oblique: largest error of these at N = 20", n20);
   figure("oblique: largest error of these at N = 50", n50);
+  if (moments) {
+    EXPECT_LT(n20, 0.02);
+  }
 }
 
-TEST(Oblique, LinearSpheresConverge) { sweep(false, Partner::sphere, false, {1, 0.3}); }
-TEST(Oblique, HertzSpheresConverge) { sweep(true, Partner::sphere, false, {1, 0.5, 0.3}); }
+TEST(Oblique, LinearSpheresConverge) { sweep(false, Partner::sphere, false, {1, 0.8, 0.5, 0.3}); }
+TEST(Oblique, HertzSpheresConverge) { sweep(true, Partner::sphere, false, {1, 0.8, 0.5, 0.3}); }
+TEST(Oblique, PartialSlipConverges) {
+  for (const double e : {1.0, 0.5})
+    for (const double mu : {0.05, 1.0}) check({true, e, 0, mu, Partner::sphere, false, true});
+}
 TEST(Oblique, SphereOnPlaneConverges) {
   sweep(false, Partner::plane, false, {0.5});
   sweep(true, Partner::plane, false, {0.5});
@@ -275,7 +285,7 @@ TEST(Oblique, SphereOnMeshReboundsAsOnThePlane) {
   for (const bool hertz : {false, true})
     for (const double mu : {0.05, 1.0}) {
       const Setting plane{hertz, 0.5, 0.3, mu, Partner::plane, false}, mesh{hertz, 0.5, 0.3, mu, Partner::mesh, false};
-      for (const double steps : {20.0, 200.0})
+      for (const double steps : {20.0, 200.0, 10000.0})
         EXPECT_LT(difference(plane, run(mesh, steps), run(plane, steps)), 1e-12) << name_of(mesh) << steps;
     }
 }
