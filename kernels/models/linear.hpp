@@ -5,7 +5,10 @@
 // - pairwise: the force of step n fits the velocity at n, v_n = v(n-1/2) + F dt/(2 m_eff), solved for the pair alone:
 //   both force components shrink by 1/(1 + gamma dt/2). Second order in an impact, but a contact that rests under load
 //   is too soft by gamma dt/2, because there other forces cancel F.
-// - centred: the same with the other forces, in normal direction, from the last step: dashpot_velocity().
+// - centred: the same with the other forces, in normal direction, from the last step: dashpot_velocity(). Tangentially
+//   the pair's own force only: a spring that rests under shear is too soft by 7/4 gamma_t dt. The feedback would make
+//   it exact, but it is one step late and tangential modes are damped more than normal ones: the longest stable step of
+//   a Hertz packing would fall by a third at e = 0.5 (perf/dashpot_limits.py).
 // clip: F_n = max(F_n, 0); what the spring still holds when the dashpot's pull outweighs it is lost.
 // Onset correction: the dashpot acts from the first instant of touch to the last, so its impulse in the step that holds
 // that instant is weighed with the touching time (1/2 + delta/(|v_n| dt)) instead of 1; without it restitution has an
