@@ -230,7 +230,8 @@ std::vector<WallEntry> read_walls(const World& w, const CheckpointReader& in, co
   const auto columns = static_cast<std::size_t>(w.has.moment_columns);
   const auto beyond = static_cast<std::size_t>(std::max(w.has.law_columns - k_usual_history, 0));
   if (beyond > 0) in.read_array<double>("wall_history", more);
-  if (moments.size() != records.size() * columns || more.size() != records.size() * beyond || (images && centres.size() != records.size()))
+  if (moments.size() != records.size() * columns || more.size() != records.size() * beyond ||
+      (images && centres.size() != records.size()))
     throw Error(ErrorCode::io, "wall contacts and their history do not fit together", in.path());
   std::vector<WallEntry> out;
   for (std::size_t k = 0; k < records.size(); ++k) {
