@@ -77,7 +77,7 @@ def region_plots(s):
         normal = [s.get(f"region.{r}.stress_{a}") for a in ("xx", "yy", "zz")]
         if all(n is not None for n in normal):
             pressures.append((r, sum(normal) / 3))
-    plots.append(line_plot(s["time"], pressures[:MOST_CURVES], "Mean normal stress (xx + yy + zz) / 3", "time [s]", "stress [Pa]"))
+    plots.append(line_plot(s["time"], pressures[:MOST_CURVES], "Mean normal stress, pressed is negative", "time [s]", "stress [Pa]"))
     for r in regions[:MOST_CURVES]:
         plots.append(over_time(s, f"Stress in {r}", "stress [Pa]", [(f"region.{r}.stress_{a}", a) for a in ("xx", "yy", "zz", "xy", "xz", "yz")]))
         plots.append(over_time(s, f"Mean velocity in {r}", "velocity [m/s]", [(f"region.{r}.velocity_{a}", a) for a in "xyz"]))
