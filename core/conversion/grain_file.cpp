@@ -7,8 +7,8 @@
 
 #include "core/base/count.hpp"
 #include "core/base/error.hpp"
+#include "core/base/input_file.hpp"
 #include "core/conversion/grain_table.hpp"
-#include "core/io/input_file.hpp"
 
 namespace talus::conversion {
 namespace {
