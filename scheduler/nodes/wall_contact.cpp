@@ -122,7 +122,7 @@ Block load(const WallPass& pass, Chunk& c, std::size_t k0, int n, double deep, W
   b.reff = to.reff;
   b.pair = to.pair;
   b.e = to.e;
-  b.slid = rules.has.moments ? to.slid : nullptr;
+  b.slid = pass.rules.has.moments ? to.slid : nullptr;
   return b;
 }
 

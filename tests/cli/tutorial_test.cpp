@@ -40,6 +40,18 @@ TEST_F(Tutorial, EveryLessonRunsWithoutAWarning) {
   }
 }
 
+TEST_F(Tutorial, FurtherScenesRunWithoutAWarning) {
+  for (const char* name : {"collapse", "oedometer", "vibrated-box"}) {
+    const std::string scene = (k_tutorial / "further" / (std::string(name) + ".toml")).string();
+    const Result r = talus({"run", scene, "--out", name, "--steps", "600"});
+    EXPECT_EQ(r.exit_code, 0) << name << r.err;
+    EXPECT_EQ(r.err.find("warning"), std::string::npos) << name << r.err;
+    EXPECT_EQ(r.err.find("note"), std::string::npos) << name << r.err;
+    ASSERT_TRUE(fs::exists(k_tutorial / "further" / (std::string(name) + ".png"))) << name;
+    EXPECT_LE(fs::file_size(k_tutorial / "further" / (std::string(name) + ".png")), 200000u) << name;
+  }
+}
+
 TEST_F(Tutorial, RestartGoesOnWithTheSameBitsAndStartsANewScene) {
   const std::string scene = (k_tutorial / "3-drum" / "scene.toml").string();
   ASSERT_EQ(run("3-drum", "900").exit_code, 0);
