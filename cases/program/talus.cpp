@@ -12,6 +12,7 @@
 #include "cases/program/cli.hpp"
 #include "cases/program/cli_console.hpp"
 #include "cases/program/cli_reference.hpp"
+#include "cases/program/cli_shape.hpp"
 #include "cases/program/cli_signal.hpp"
 #include "cases/program/cli_usage.hpp"
 #include "core/base/suggest.hpp"
@@ -68,6 +69,18 @@ void add_run_options(CLI::App& app, Options& o) {
                "count at every step what touches and is in no list, found without cells (slow)");
   app.add_flag("--quiet", o.quiet, "no progress, no closing text");
   app.add_flag("--overwrite", o.overwrite, "replace the results of an earlier run in the same folder");
+}
+
+void add_shape_options(CLI::App& app, cli::ShapeOptions& o) {
+  app.add_option("mesh", o.mesh, "STL, OBJ or PLY file")->required();
+  app.add_option("--spheres", o.spheres, "number of spheres")->required()->check(CLI::Range(1, 10000));
+  app.add_option("--grid", o.grid, "candidates along the longest side of the mesh (default 40)")
+      ->check(CLI::Range(4, 400));
+  app.add_option("--scale", o.scale, "metres per unit of the file (default 1)")->check(CLI::Range(1e-12, 1e12));
+  app.add_flag("--grow", o.grow, "grow all spheres by one length until they have the volume of the mesh");
+  app.add_option("--out", o.out, "table of x, y, z, radius (default MESH-NAME.csv)")->type_name("FILE");
+  app.add_flag("--overwrite", o.overwrite, "replace the table");
+  app.add_flag("--quiet", o.quiet, "print nothing");
 }
 
 /// What the parser knows, as plain data.
@@ -229,6 +242,11 @@ int main(int argc, char** argv) {
   sub->add_flag("--advise", o.advise, "print Biot number, level, shells and heat step instead");
   sub->add_flag("--overwrite", o.overwrite, "replace the file");
   sub->add_flag("--quiet", o.quiet, "print nothing");
+
+  cli::ShapeOptions shape;
+  sub = app.add_subcommand("shape", "make a clump of spheres that fills a watertight mesh; say how well");
+  sub->final_callback([&] { command = [&shape](const Options&) { return cli::shape(shape); }; });
+  add_shape_options(*sub, shape);
 
   sub = add("help", "help on a command, on keys (talus help scene [KEY]), on files and columns (talus help output)",
             cli::help);

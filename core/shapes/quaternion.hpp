@@ -39,4 +39,15 @@ inline Vec3 to_body(const Rotation& r, Vec3 v) noexcept {
           (r.row[0].z * v.x + r.row[1].z * v.y) + r.row[2].z * v.z};
 }
 
+/// The quaternion of a proper rotation matrix, largest component first computed (Shepperd 1978).
+inline Quaternion quaternion_of(const Rotation& r) noexcept {
+  const double x = r.row[0].x, y = r.row[1].y, z = r.row[2].z, t = x + y + z;
+  const double wx = r.row[2].y - r.row[1].z, wy = r.row[0].z - r.row[2].x, wz = r.row[1].x - r.row[0].y;
+  const double xy = r.row[0].y + r.row[1].x, xz = r.row[0].z + r.row[2].x, yz = r.row[1].z + r.row[2].y;
+  if (t >= x && t >= y && t >= z) return normalised({1 + t, wx, wy, wz});
+  if (x >= y && x >= z) return normalised({wx, ((1 + x) - y) - z, xy, xz});
+  if (y >= z) return normalised({wy, xy, ((1 - x) + y) - z, yz});
+  return normalised({wz, xz, yz, ((1 - x) - y) + z});
+}
+
 }  // namespace talus::shapes
