@@ -31,7 +31,7 @@ struct MeshClump {
 MassProperties mesh_properties(const Mesh& mesh);
 
 /// Balls about the points of a grid that reach to the surface; of these always the one that covers most of what is not
-/// yet covered (greedy set cover of inner balls, as in multi-sphere generators since Haeri 2017). Error{scene} naming
+/// yet covered (greedy set cover of inner balls). Error{scene} naming
 /// the file: not watertight, windings, no grid point inside.
 MeshClump clump_of_mesh(const Mesh& mesh, const MeshClumpSettings& settings);
 
