@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint64_t k_most_bytes = std::uint64_t{1} << 30;
 constexpr double k_noticeable = 1e-3;  // of the smallest radius: a common overlap
 
-const InputKind k_kind{ErrorCode::scene, "mesh", k_most_bytes, "the path is relative to the scene file"};
+const InputKind k_kind{ErrorCode::scene, "mesh", k_most_bytes, "a path in a scene is relative to the scene file"};
 
 std::string extension_of(const std::string& name) {
   std::string e = std::filesystem::path(name).extension().string();
