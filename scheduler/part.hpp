@@ -15,7 +15,7 @@
 #include "core/base/columns.hpp"
 #include "core/frame/frame.hpp"
 #include "core/grains/insertion.hpp"
-#include "scheduler/simulation.hpp"
+#include "scheduler/reports.hpp"
 #include "scheduler/state/contacts.hpp"
 #include "scheduler/state/rows.hpp"
 #include "scheduler/state/rules.hpp"

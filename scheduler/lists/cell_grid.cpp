@@ -8,8 +8,8 @@
 
 #include "core/base/count.hpp"
 #include "scheduler/lists/rebuild.hpp"
-#include "scheduler/nodes/faults.hpp"
-#include "scheduler/nodes/step_failure.hpp"
+#include "scheduler/state/faults.hpp"
+#include "scheduler/state/step_failure.hpp"
 #include "scheduler/team/parallel.hpp"
 
 namespace talus {

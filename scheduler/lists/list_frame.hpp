@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/types.hpp"
-#include "scheduler/simulation.hpp"
+#include "scheduler/reports.hpp"
 
 namespace talus {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "scheduler/nodes/faults.hpp"
+#include "scheduler/state/faults.hpp"
 #include "scheduler/team/parallel.hpp"
 
 namespace talus {

@@ -9,7 +9,7 @@
 #include "core/walls/walls.hpp"
 #include "scheduler/lists/lists.hpp"
 #include "scheduler/lists/skin_check.hpp"
-#include "scheduler/simulation.hpp"
+#include "scheduler/reports.hpp"
 #include "scheduler/team/parallel.hpp"
 
 namespace talus {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scheduler/lists/velocity_profile.hpp"
-#include "scheduler/nodes/faults.hpp"
+#include "scheduler/state/faults.hpp"
 #include "scheduler/team/parallel.hpp"
 
 namespace talus {

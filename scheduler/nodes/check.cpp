@@ -2,7 +2,7 @@
 #include "scheduler/nodes/check.hpp"
 
 #include "scheduler/nodes/events.hpp"
-#include "scheduler/nodes/step_failure.hpp"
+#include "scheduler/state/step_failure.hpp"
 
 namespace talus {
 

@@ -4,7 +4,7 @@
 
 #include "scheduler/lists/lists.hpp"
 #include "scheduler/part.hpp"
-#include "scheduler/simulation.hpp"
+#include "scheduler/reports.hpp"
 #include "scheduler/state/ledger.hpp"
 
 namespace talus {

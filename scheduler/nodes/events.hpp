@@ -6,7 +6,7 @@
 #include "core/walls/walls.hpp"
 #include "scheduler/lists/lists.hpp"
 #include "scheduler/part.hpp"
-#include "scheduler/simulation.hpp"
+#include "scheduler/reports.hpp"
 #include "scheduler/state/ledger.hpp"
 
 namespace talus {

@@ -6,7 +6,7 @@
 
 #include "scheduler/nodes/add_ons.hpp"
 #include "scheduler/nodes/contact_blocks.hpp"
-#include "scheduler/nodes/faults.hpp"
+#include "scheduler/state/faults.hpp"
 
 namespace talus {
 

@@ -3,8 +3,8 @@
 
 #include "scheduler/lists/skin_check.hpp"
 #include "scheduler/nodes/add_ons.hpp"
-#include "scheduler/nodes/faults.hpp"
 #include "scheduler/nodes/monitor.hpp"
+#include "scheduler/state/faults.hpp"
 
 namespace talus {
 

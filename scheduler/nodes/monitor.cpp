@@ -9,7 +9,9 @@
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
 #include "core/grains/source_notes.hpp"
-#include "scheduler/nodes/step_failure.hpp"
+#include "core/meshes/mesh_file.hpp"
+#include "core/meshes/mesh_file.hpp"
+#include "scheduler/state/step_failure.hpp"
 #include "scheduler/team/parallel.hpp"
 
 namespace talus {

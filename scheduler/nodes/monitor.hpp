@@ -13,7 +13,7 @@
 #include "core/frame/frame.hpp"
 #include "core/grains/insertion.hpp"
 #include "core/walls/walls.hpp"
-#include "scheduler/simulation.hpp"
+#include "scheduler/reports.hpp"
 #include "scheduler/state/contacts.hpp"
 #include "scheduler/team/team.hpp"
 

@@ -12,7 +12,7 @@
 #include "core/base/types.hpp"
 #include "core/walls/walls.hpp"
 #include "kernels/views.hpp"
-#include "scheduler/nodes/extremes.hpp"
+#include "scheduler/state/extremes.hpp"
 #include "scheduler/state/rows.hpp"
 #include "scheduler/state/rules.hpp"
 #include "scheduler/team/chunk_map.hpp"

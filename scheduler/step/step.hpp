@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/nodes/step_failure.hpp"
+#include "scheduler/state/step_failure.hpp"
 #include "scheduler/step/node.hpp"
 
 namespace talus {

@@ -10,7 +10,7 @@
 #include "scheduler/lists/lists.hpp"
 #include "scheduler/nodes/monitor.hpp"
 #include "scheduler/part.hpp"
-#include "scheduler/simulation.hpp"
+#include "scheduler/reports.hpp"
 #include "scheduler/state/clock.hpp"
 #include "scheduler/state/contacts.hpp"
 #include "scheduler/state/ledger.hpp"

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "scheduler/simulation.hpp"
+#include "scheduler/reports.hpp"
 
 namespace talus {
 

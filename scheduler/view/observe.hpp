@@ -2,7 +2,8 @@
 #pragma once
 
 #include "core/base/types.hpp"
-#include "scheduler/simulation.hpp"
+#include "core/frame/frame.hpp"
+#include "scheduler/reports.hpp"
 
 namespace talus {
 

@@ -1,5 +1,5 @@
 // See faults.hpp.
-#include "scheduler/nodes/faults.hpp"
+#include "scheduler/state/faults.hpp"
 
 namespace talus {
 
