@@ -42,9 +42,15 @@ std::size_t near_candidates(const WallPass& pass, Chunk& c, std::size_t q, doubl
   return near;
 }
 
+/// Contacts of one row, now and before. Made once per chunk: its initial values would cost more than a row's contacts.
+struct RowContacts {
+  WallContact found[WallSet::k_max_contacts], before[WallSet::k_max_contacts];
+  std::int32_t from[WallSet::k_max_contacts];
+};
+
 /// Appends the contacts of row number q with the history that they had. `old`: first old contact that is not of an
 /// earlier row.
-void find_row(const WallPass& pass, Chunk& c, std::size_t q, std::size_t& old) {
+void find_row(const WallPass& pass, Chunk& c, std::size_t q, std::size_t& old, RowContacts& row) {
   WallContacts& t = c.wall;
   const Features& h = pass.rules.has;
   const Row i = t.row[q];
@@ -53,8 +59,7 @@ void find_row(const WallPass& pass, Chunk& c, std::size_t q, std::size_t& old) {
   const double radius = h.adhesion ? t.radius[q] : x[3];
   const std::size_t near = near_candidates(pass, c, q, radius);
   if (near == 0) return;
-  WallContact found[WallSet::k_max_contacts], before[WallSet::k_max_contacts];
-  std::int32_t from[WallSet::k_max_contacts];
+  auto& [found, before, from] = row;
   const WallSet::Wraps wraps =
       pass.walls.has_images() ? wraps_of(pass.rules, x, pass.listed_at + 4L * i) : WallSet::Wraps{};
   int n = pass.walls.contacts({x[0], x[1], x[2]}, radius,
@@ -157,7 +162,8 @@ void wall_chunk(const Rules& rules, const Clock& clock, const Rows& rows, const 
   t.next.clear();
   t.moment_next.clear();
   std::size_t old = 0;
-  for (std::size_t q = 0; q + 1 < t.begin.size(); ++q) find_row(pass, c, q, old);
+  RowContacts row;
+  for (std::size_t q = 0; q + 1 < t.begin.size(); ++q) find_row(pass, c, q, old, row);
   t.force.resize(t.next.size());
   t.point.resize(t.next.size());
   if (rules.has.moments) t.torque.resize(t.next.size());
