@@ -4,7 +4,6 @@
 // order (I3); a scene without it has none of its columns, nodes and output columns.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -41,7 +40,7 @@ struct PartNode {
   std::string name;
   When when = When::contacts;
   std::vector<Access> reads, writes;
-  std::int64_t every = 1;  ///< runs in every so-manieth step
+  std::int64_t every = 1;  ///< it runs in one of so many steps
   /// When::step: the chunk means nothing. When::contacts: may add to the force rows of the chunk (scratch), where it
   /// declares to.
   std::function<void(const PartView&, const Chunk&)> run;
@@ -59,11 +58,6 @@ class Part {
   virtual std::vector<PartNode> nodes() { return {}; }
   /// Rows [first, first + a.size()) have come: from source a.source[k].
   virtual void appended(const Rows&, Row /*first*/, const NewParticles& /*a*/) {}
-  /// Steps at whose start it changes rows (radius and mass of a grain that burns): such a step makes new lists, and is
-  /// a function of the trajectory. Radii stay within Rules::r_min and r_max.
-  virtual bool changes_rows() const { return false; }  ///< at some step
-  virtual bool due(std::int64_t /*step*/) const { return false; }
-  virtual void change(const Rules&, const Clock&, Rows&) {}
   /// Row i is about to go.
   virtual void removed(const Rows&, Row /*i*/) {}
   /// The last step did not happen: back to the values before it.
@@ -81,17 +75,6 @@ class Part {
 /// The parts that a scene has.
 struct Parts {
   std::vector<std::unique_ptr<Part>> all;
-
-  bool change_rows() const {
-    return std::any_of(all.begin(), all.end(), [](const auto& p) { return p->changes_rows(); });
-  }
-  bool due(std::int64_t step) const {
-    return std::any_of(all.begin(), all.end(), [step](const auto& p) { return p->due(step); });
-  }
-  void change(const Rules& rules, const Clock& clock, Rows& rows) {
-    for (const auto& p : all)
-      if (p->due(clock.step)) p->change(rules, clock, rows);
-  }
 
   void appended(const Rows& rows, Row first, const NewParticles& a) {
     for (const auto& p : all) p->appended(rows, first, a);

@@ -24,7 +24,7 @@ class Simulation {
   /// Error{physics}.
   Simulation(const Scene& scene, const RunOptions& options);
   /// Continues from a checkpoint of the same scene (any threads, ISA, chunk, policy, K), or of one that differs where
-  /// core/io/scene_changes allows it. `walls`: as wall_numbers() there; empty: the same walls.
+  /// core/scene/scene_changes allows it. `walls`: as wall_numbers() there; empty: the same walls.
   Simulation(const Scene& scene, const RunOptions& options, const CheckpointReader& checkpoint,
              const std::vector<int>& walls = {});
   /// Error{io}: a state that would go on wrongly without a word (of a failed step, or of an older version). A

@@ -57,7 +57,7 @@ void check_step(World& w) {
   if (w.rules.has.moving_walls) judge_walls(w.rules, w.rows, w.walls);
   const bool insertion = w.rules.has.insertion && w.insertion->next_step(clock.step) == clock.step;
   const bool epoch = clock.step % scene.sort_every == 0;
-  clock.structure = insertion || event_due(w.rules, clock) || epoch || w.parts.due(clock.step);
+  clock.structure = insertion || event_due(w.rules, clock) || epoch;
   clock.sampled = clock.step >= scene.relax.steps &&
                   (clock.structure || clock.step % k_sample_every == 0 || clock.step == scene.relax.steps);
   clock.rebuild = clock.structure || !w.lists.valid || lists_expired(w.rules, clock, w.contacts, w.lists, w.walls);

@@ -31,7 +31,6 @@ using Names = std::vector<Access>;
 
 void run_insert(World& w, Chunk&) {
   apply_events(w.rules, w.clock, w.rows, w.lists, w.ledger, w.counters, w.parts);
-  w.parts.change(w.rules, w.clock, w.rows);
   if (!w.rules.has.insertion || w.insertion->next_step(w.clock.step) != w.clock.step) return;
   const bool came =
       insert_batch(w.rules, w.clock, w.walls, *w.insertion, w.rows, w.contacts, w.ledger, w.counters, w.parts);
@@ -96,13 +95,13 @@ void add(std::vector<NodeSpec>& t, Node id, const char* name, Phase phase, Names
 
 void add_serial(const World& w, std::vector<NodeSpec>& t) {
   const Features& h = w.rules.has;
-  const bool acts = h.insertion || h.events || w.parts.change_rows();
+  const bool acts = h.insertion || h.events;
   add(t, Node::displacement_check, "displacement_check", Phase::decide, {{"results"}, {"x0"}, {"walls"}},
       {{"p"}, {"v"}, {"x0"}, {"counters"}, {"warnings"}}, true, "always",
       [](World& world, Chunk&) { check_step(world); });
   add(t, Node::insert, "insert", Phase::insert, {{"scene"}, {"walls"}, {"p"}},
       {{"p"}, {"v"}, {"x0"}, {"id"}, {"fixed"}, {"gravity"}, {"counters"}, {"chunks"}}, acts,
-      acts ? "sources, events or parts act during the run" : "no source or event acts during the run", run_insert);
+      acts ? "sources or events act during the run" : "no source or event acts during the run", run_insert);
   add(t, Node::sort_epoch, "sort_epoch", Phase::lists, {{"p"}, {"contacts"}, {"history"}},
       {{"order of all rows"}, {"history"}, {"wall history"}, {"x0"}, {"p2"}, {"v2"}, {"chunks"}}, true,
       "every " + std::to_string(w.rules.scene.sort_every) + " steps", run_sort);
