@@ -4,8 +4,8 @@
 #   bash tests/sanitize.sh asan    ASan and UBSan, the whole suite (needs what tests/run_all.sh needs)
 #   bash tests/sanitize.sh tsan    TSan, test_determinism, with a oneTBB that is built with TSan too (Debian's own gives
 #                                  false reports): its source comes from Debian into the build folder. No suppressions.
-# Further arguments go to ctest (asan) or to the test program (tsan). JOBS=N: tests and compilers at a time (default: all
-# cores).
+# Each test program runs once as a whole: by the single test most of the time would go into starting programs. Further
+# arguments go to the test programs. JOBS=N: programs and compilers at a time (default: all cores).
 set -uo pipefail
 cd "$(dirname "$0")/.."
 lane=${1:-}
@@ -60,10 +60,19 @@ export UBSAN_OPTIONS=$common/ubsan:print_stacktrace=1
 export TSAN_OPTIONS=$common/tsan:second_deadlock_stack=1
 begin=$SECONDS
 if [ "$lane" = asan ]; then
-  ctest --test-dir "$folder/talus" --parallel "$jobs" --timeout 3600 --output-on-failure --no-tests=error "$@" </dev/null
+  mapfile -t programs < <(find "$folder/talus/tests" -maxdepth 1 -type f -executable -name 'test_*')
 else
-  "$folder/talus/tests/test_determinism" "$@" </dev/null
+  programs=("$folder/talus/tests/test_determinism")
 fi
+run_program() {
+  local log=$1.log begin=$SECONDS code
+  "$@" >"$log" 2>&1 </dev/null
+  code=$?
+  echo "$(basename "$1"): exit code $code, $((SECONDS - begin)) s; $(grep -E '^\[  (PASSED|FAILED) ' "$log" | head -20 | tr '\n' ' ')"
+  return $code
+}
+export -f run_program
+printf '%s\0' "${programs[@]}" | xargs -0 -I{} -P "$jobs" bash -c 'run_program "$@"' - {} "$@"
 code=$?
 reports=$(cat "$folder"/reports/* 2>/dev/null | grep -cE 'ERROR: |WARNING: ThreadSanitizer|runtime error:')
 echo "$lane: tests $([ $code -eq 0 ] && echo passed || echo failed), $((SECONDS - begin)) s, $reports reports ($folder/reports)"

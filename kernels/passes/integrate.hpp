@@ -54,7 +54,8 @@ void integrate_rows(IntegrateArgs& args) {
   const auto rounding = S::set4(0x1.8p52);  // adding and taking it away rounds to the nearest integer
   const auto no_force = S::set8(0.0);
   unsigned periodic = 0;
-  for (int c = 0; c < 3; ++c) periodic |= (a.wrap[c] != 0 ? 1U : 0U) << c;
+  for (unsigned c = 0; c < 3; ++c)
+    if (a.wrap[c] != 0) periodic |= 1U << c;  // as one expression GCC 12 miscompiles it below UBSan
   int expired = 0;
   std::int32_t out_count = 0, unstable_row = -1;
   for (long i = a.lo; i < a.hi; ++i) {

@@ -116,7 +116,8 @@ struct Scalar {
   }
   TALUS_INLINE static unsigned lt4(const R4& a, const R4& b) {
     unsigned m = 0;
-    for (int k = 0; k < 4; ++k) m |= (a.v[k] < b.v[k] ? 1U : 0U) << k;
+    for (unsigned k = 0; k < 4; ++k)
+      if (a.v[k] < b.v[k]) m |= 1U << k;
     return m;
   }
   TALUS_INLINE static R4 and4(const R4& a, unsigned m) {
