@@ -46,6 +46,12 @@ struct PartNode {
   std::function<void(const PartView&, const Chunk&)> run;
 };
 
+/// Sizes of the rows [lo, hi) of a chunk at the end of a step; filled with those that they have.
+struct RowSizes {
+  Row lo, hi;
+  double *radius, *mass;  ///< [m], [kg]; a radius of 0: the row leaves
+};
+
 class Part {
  public:
   Part() = default;
@@ -64,6 +70,10 @@ class Part {
   virtual void take_back() {}
   /// The longest time step that it allows [s]; infinite where it does not care.
   virtual double step_limit(const PartView&) const { return k_never; }
+  /// It changes radius and mass of rows while they move; `sizes` then runs per chunk behind the integration and may
+  /// read rows of its chunk alone. Velocity and spin stay; a held row keeps its size; list skins count the growth.
+  virtual bool resizes() const { return false; }
+  virtual void sizes(const PartView&, const Chunk&, const RowSizes&) const {}
   /// Its columns of the time series, of the present step. Their number and names never change in a run.
   virtual std::vector<PartValue> values(const PartView&) const { return {}; }
   /// What it has to remember beside its columns (section "part NAME" of the checkpoint).

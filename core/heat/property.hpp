@@ -48,6 +48,8 @@ class Property {
     }
     return sum;
   }
+  double first() const { return first_; }         ///< value below all pieces
+  const auto& pieces() const { return pieces_; }  ///< ascending; see Piece
   /// Least value on [low, high] [K], by sampling.
   double least_on(double low, double high) const;
 

@@ -32,6 +32,8 @@ struct Plain {
   static M gt(B a, B b) { return a > b; }
   static bool any(M m) { return m; }
   static B select(M m, B a, B b) { return m ? a : b; }
+  static B least(B a, B b) { return a < b ? a : b; }  ///< the second where they do not compare
+  static B most(B a, B b) { return a > b ? a : b; }
   static Split<B> split(B x) {
     const std::uint64_t bits = std::bit_cast<std::uint64_t>(x);
     const double e = std::bit_cast<double>((bits >> 52) | 0x4330000000000000ULL) - (0x1p52 + 1023);

@@ -19,6 +19,8 @@ struct LaneBits<simd::Scalar> {
     return {{s.mantissa}, {s.exponent}};
   }
   TALUS_INLINE static B power_of_two(B k) { return {shapes::Plain::power_of_two(k.v)}; }
+  TALUS_INLINE static B least(B a, B b) { return a.v < b.v ? a : b; }
+  TALUS_INLINE static B most(B a, B b) { return a.v > b.v ? a : b; }
 };
 
 #ifdef __SSE2__
@@ -36,6 +38,8 @@ struct LaneBits<simd::Sse2> {
     const __m128i bits = _mm_castpd_si128(_mm_add_pd(k, _mm_set1_pd(0x1.8p52)));
     return B(_mm_castsi128_pd(_mm_add_epi64(_mm_slli_epi64(bits, 52), _mm_set1_epi64x(0x3ff0000000000000LL))));
   }
+  TALUS_INLINE static B least(B a, B b) { return B(_mm_min_pd(a, b)); }
+  TALUS_INLINE static B most(B a, B b) { return B(_mm_max_pd(a, b)); }
 };
 #endif
 
@@ -55,6 +59,8 @@ struct LaneBits<simd::Avx2> {
     return B(
         _mm256_castsi256_pd(_mm256_add_epi64(_mm256_slli_epi64(bits, 52), _mm256_set1_epi64x(0x3ff0000000000000LL))));
   }
+  TALUS_INLINE static B least(B a, B b) { return B(_mm256_min_pd(a, b)); }
+  TALUS_INLINE static B most(B a, B b) { return B(_mm256_max_pd(a, b)); }
 };
 #endif
 
@@ -74,6 +80,8 @@ struct LaneBits<simd::Avx512> {
     return B(
         _mm512_castsi512_pd(_mm512_add_epi64(_mm512_slli_epi64(bits, 52), _mm512_set1_epi64(0x3ff0000000000000LL))));
   }
+  TALUS_INLINE static B least(B a, B b) { return B(_mm512_min_pd(a, b)); }
+  TALUS_INLINE static B most(B a, B b) { return B(_mm512_max_pd(a, b)); }
 };
 #endif
 

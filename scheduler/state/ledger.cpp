@@ -118,6 +118,9 @@ Energies energies_of(const Rules& rules, const Clock& clock, const Rows& rows, c
   const bool given =
       clock.step == 1 && rules.scene.integrator == Integrator::velocity_verlet && rules.scene.relax.steps == 0;
   const auto& old = start ? rows.v : rows.v2;
+  const auto mass = [&](Row i) {
+    return rows.resized && !start ? old_mass_of(rules, rows, i) : mass_of(rules, rows, i);
+  };
   const auto mean2 = [&](Row i, int from) {
     const double *u = old.data() + static_cast<long>(rules.stride) * i,
                  *v = given ? u : rows.v.data() + static_cast<long>(rules.stride) * i;
@@ -125,14 +128,13 @@ Energies energies_of(const Rules& rules, const Clock& clock, const Rows& rows, c
     for (int k = from; k < from + 3; ++k) s += 0.25 * (u[k] + v[k]) * (u[k] + v[k]);
     return s;
   };
-  e.kinetic_translation = sum_rows(rows, [&](Row i) { return 0.5 * mass_of(rules, rows, i) * mean2(i, 0); });
-  if (rules.has.rotation)
-    e.kinetic_rotation = sum_rows(rows, [&](Row i) { return 0.2 * mass_of(rules, rows, i) * mean2(i, 4); });
+  e.kinetic_translation = sum_rows(rows, [&](Row i) { return 0.5 * mass(i) * mean2(i, 0); });
+  if (rules.has.rotation) e.kinetic_rotation = sum_rows(rows, [&](Row i) { return 0.2 * mass(i) * mean2(i, 4); });
   const Vec3 weight = gravity_along(rules, clock, false);
   e.potential = -ledger.work.gravity - sum_rows(rows, [&](Row i) {
     const double* x = (start ? rows.p : rows.p2).data() + 4L * i;
     const bool free = rows.v[static_cast<long>(rules.stride) * i + rules.stride - 1] > 0;
-    return free ? mass_of(rules, rows, i) * dot(weight, Vec3{x[0], x[1], x[2]} + rules.scene.domain.lower) : 0.0;
+    return free ? mass(i) * dot(weight, Vec3{x[0], x[1], x[2]} + rules.scene.domain.lower) : 0.0;
   });
   e.elastic = sum_rows(rows, [&](Row i) { return springs[4L * i]; });
   e.dissipated_damping = ledger.work.damping;

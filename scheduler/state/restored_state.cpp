@@ -27,9 +27,10 @@ bool all_finite(const double* x, int n) {
   return sum == 0;
 }
 
-const char* fault_of_position(const Rules& rules, const double* x) {
+const char* fault_of_position(const Rules& rules, bool resized, const double* x) {
   for (int k = 0; k < 3; ++k)
     if (!(x[k] >= 0 && x[k] <= rules.size[k])) return "the particle is outside the domain";
+  if (resized) return x[3] > 0 ? nullptr : "the particle has no size";
   if (!(x[3] >= rules.r_min * (1 - k_rounding) && x[3] <= rules.r_max * (1 + k_rounding)))
     return "no source of the scene has such a radius";
   return nullptr;
@@ -49,10 +50,10 @@ void check_row(const Rules& rules, const Rows& rows, Row i, const std::string& p
       refuse("position", row, "the particle is neither there nor removed", path);
     return;
   }
-  if (const char* what = fault_of_position(rules, x)) refuse("position", row, what, path);
+  if (const char* what = fault_of_position(rules, rows.resized, x)) refuse("position", row, what, path);
   if (rows.id[i] < 0 || rows.id[i] >= rows.next_id) refuse("id", row, "the number was never given to a particle", path);
   const double inverse = v[rules.stride - 1], product = inverse * mass_of(rules, rows, i);
-  if (inverse != 0 && !(std::fabs(product - 1) < k_rounding))
+  if (inverse != 0 && !rows.resized && !(std::fabs(product - 1) < k_rounding))
     refuse("velocity", row, "the mass does not belong to the radius and the density", path);
 }
 

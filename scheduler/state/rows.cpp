@@ -48,9 +48,18 @@ Rows::Rows(const Rules& rules) : stride(rules.stride) {
   columns.add(optional("group", h.groups, "scene.groups", "no groups", -1), group);
 }
 
-double mass_of(const Rules& rules, const Rows& rows, Row i) {
-  return Body{rows.p[4L * i + 3], rules.scene.materials[rules.has.materials ? rows.material[i] : 0].density}.mass();
+namespace {
+
+double mass_from(const Rules& rules, const Rows& rows, const Column<double>& v, const Column<double>& p, Row i) {
+  if (rows.resized)
+    if (const double inverse = v[static_cast<long>(rows.stride) * (i + 1) - 1]; inverse > 0) return 1 / inverse;
+  return Body{p[4L * i + 3], rules.scene.materials[rules.has.materials ? rows.material[i] : 0].density}.mass();
 }
+
+}  // namespace
+
+double mass_of(const Rules& rules, const Rows& rows, Row i) { return mass_from(rules, rows, rows.v, rows.p, i); }
+double old_mass_of(const Rules& rules, const Rows& rows, Row i) { return mass_from(rules, rows, rows.v2, rows.p2, i); }
 
 Vec3 gravity_along(const Rules& rules, const Clock& clock, bool periodic) {
   Vec3 g = clock.gravity;
@@ -127,7 +136,7 @@ void append_particles(const Rules& rules, const Clock& clock, Rows& rows, const 
     const bool fixed = a.fixed[q] != 0;
     if (rules.has.fixed) rows.fixed[i] = fixed ? 1 : 0;
     if (rules.has.groups) rows.group[i] = a.group[q];
-    const double m = mass_of(rules, rows, i);
+    const double m = Body{a.r[q], rules.scene.materials[rules.has.materials ? rows.material[i] : 0].density}.mass();
     const Vec3 v = fixed ? a.v[q] : a.v[q] - half * clock.gravity;
     for (auto* column : {&rows.v, &rows.v2}) {
       double* r = column->data() + static_cast<long>(rules.stride) * i;

@@ -27,13 +27,16 @@ struct Rows {
   Column<std::uint8_t> fixed;         ///< only where something can be fixed
   Column<std::int16_t> group;         ///< only with groups
   bool velocity_at_old_step = false;  ///< v2 holds v(n-3/2) of the same rows (for |a| in the skin)
+  bool resized = false;               ///< a part changes sizes: a free row's mass is that of its velocity row
   Columns columns;                    ///< those above, and those of other owners
 
   explicit Rows(const Rules& rules);
   bool is_alive(Row i) const { return p[4L * i] < k_far; }
 };
 
-double mass_of(const Rules& rules, const Rows& rows, Row i);    ///< [kg] from material and radius
+double mass_of(const Rules& rules, const Rows& rows, Row i);  ///< [kg] from material and radius, or as it was given
+/// The same of the step that v2 belongs to.
+double old_mass_of(const Rules& rules, const Rows& rows, Row i);
 Vec3 position_of(const Rules& rules, const Rows& rows, Row i);  ///< absolute [m]
 /// Components of gravity along the periodic axes, or along the others [m/s2].
 Vec3 gravity_along(const Rules& rules, const Clock& clock, bool periodic);

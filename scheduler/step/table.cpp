@@ -17,6 +17,7 @@
 #include "scheduler/nodes/integrate.hpp"
 #include "scheduler/nodes/narrow.hpp"
 #include "scheduler/nodes/plane_count.hpp"
+#include "scheduler/nodes/resize.hpp"
 #include "scheduler/nodes/wall_contact.hpp"
 #include "scheduler/step/step.hpp"
 #include "scheduler/step/world.hpp"
@@ -82,6 +83,12 @@ void run_integrate(World& w, Chunk& c) {
   c.scratch = nullptr;
 }
 
+void run_resize(World& w, Chunk& c) {
+  resize_chunk(view_of(w), w.parts, w.rows, w.lists, c);
+  if (c.result.expired != 0) w.lists.any_expired.store(true, std::memory_order_relaxed);
+  if (c.result.out_count != 0) w.contacts.news.store(true, std::memory_order_relaxed);
+}
+
 void run_planes(World& w, Chunk& c) { plane_chunk(w.rows, w.planes, c); }
 
 void run_energy(World& w, Chunk&) { add_step_work(w.rules, w.clock, w.rows, w.contacts, w.ledger, w.team); }
@@ -127,6 +134,8 @@ void add_motion(const World& w, std::vector<NodeSpec>& t) {
   add(t, Node::integrate, "integrate", Phase::chunk, {{"p", true}, {"v"}, {"force rows"}, {"x0"}, {"contacts"}},
       {{"p2"}, {"v2"}, {"results"}, {"force rows"}, {"energy rows"}, {"history"}, {"wall history"}}, true, "always",
       run_integrate);
+  add(t, Node::resize, "resize", Phase::chunk, {{"p2"}, {"v2"}}, {{"p2"}, {"v2"}, {"x0"}, {"results"}}, w.rows.resized,
+      w.rows.resized ? "a part changes sizes of grains" : "no part changes sizes of grains", run_resize);
   add(t, Node::plane_count, "plane_count", Phase::chunk, {{"p"}, {"p2"}}, {{"crossings"}}, h.planes,
       h.planes ? std::to_string(w.planes.totals().size()) + " flux planes" : "no flux planes", run_planes);
 }

@@ -16,7 +16,10 @@ World::World(Start start)
       parts(make_parts(rules)),
       team(rules.threads) {
   clock.gravity = rules.scene.gravity;
-  for (const auto& p : parts.all) p->add_columns(rows.columns);
+  for (const auto& p : parts.all) {
+    p->add_columns(rows.columns);
+    rows.resized = rows.resized || p->resizes();
+  }
 }
 
 }  // namespace talus

@@ -26,6 +26,7 @@ enum class Node : int {
   contact_force,
   wall_contact,
   integrate,
+  resize,
   plane_count,
   energy,
   count

@@ -1,0 +1,63 @@
+// [conversion], and the grain of a [[material]]: keys of the part in scheduler/parts/conversion.hpp.
+#include "core/scene/sections/parts.hpp"
+
+namespace talus {
+namespace {
+
+constexpr std::string_view k_exchanged = "the grains have converted with it";
+
+const Keys<ConversionScene> k_conversion(
+    {"conversion", false,
+     "heat, drying, pyrolysis, burning and shrinkage within grains of the materials that have a grain file; absent: "
+     "none"},
+    fixed_by(k_exchanged),
+    {
+        key("every", &ConversionScene::every, "steps", {1, k_count},
+            "contact steps per step of conversion, which is linearly implicit; radius and mass go in a straight line "
+            "to "
+            "what came out of the last one",
+            "100"),
+        key("shells", &ConversionScene::shells, "-", {1, 32}, "shells of a grain", "20"),
+        key("gone_below", &ConversionScene::gone_below, "-", {0, 1},
+            "grains leave below this share of their first radius; their ash is counted; 0: never", "0.3"),
+        key("resize", &ConversionScene::resize, "radius and mass of the grains follow", "true"),
+    });
+
+struct MaterialGrain {
+  std::string grain;
+};
+const Keys<MaterialGrain> k_material(
+    {"material", true, ""}, fixed_by(k_exchanged),
+    {key("grain", &MaterialGrain::grain,
+         "grain file (`talus help grain`), relative to the scene, with matter, first temperature and surroundings of "
+         "the "
+         "material's grains; its density must be that of the material; needs [conversion]",
+         "\"wood.toml\"")
+         .absent("(does not convert)")
+         .with("[conversion]\nevery = 100\n")});
+
+void read(const SceneTable& root, Scene& scene) {
+  ConversionScene& c = scene.conversion;
+  c.on = root.has("conversion");
+  if (c.on) k_conversion.read(root.section("conversion"), c);
+  bool any = false;
+  for (const SceneTable& m : root.sections("material")) {
+    MaterialGrain g;
+    k_material.read(m, g);
+    if (!c.on && m.has("grain")) m.fail("grain", "has no effect without a [conversion] section");
+    if (m.has("grain") && g.grain.empty()) m.fail("grain", "must not be empty");
+    if (!c.on) continue;
+    any = any || !g.grain.empty();
+    c.grain.push_back(g.grain);
+  }
+  if (c.on && !any) root.fail("conversion", "needs a material with a grain file (material.grain)");
+}
+
+}  // namespace
+
+const PartSections& conversion_sections() {
+  static const PartSections all{{&k_conversion, &k_material}, read};
+  return all;
+}
+
+}  // namespace talus
