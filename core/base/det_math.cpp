@@ -122,6 +122,21 @@ double fraction(double turns) noexcept {
   return f < 1 ? f : 0;
 }
 
+double atan(double x) noexcept {
+  const double size = x < 0 ? -x : x;
+  if (size > 1) {
+    const double rest = 0.5 * k_pi - atan(1 / size);
+    return x < 0 ? -rest : rest;
+  }
+  // three times the half angle: |t| < 0.0985
+  double t = x;
+  for (int k = 0; k < 3; ++k) t = t / (1 + std::sqrt(1 + t * t));
+  const double q = t * t;
+  double sum = 0;
+  for (int k = 17; k > 1; k -= 2) sum = q * (1.0 / k - sum);
+  return 8 * (t - t * sum);
+}
+
 double cbrt(double x) noexcept {
   if (x == 0 || !(x - x == 0)) return x;
   const double a = x < 0 ? -x : x;

@@ -25,6 +25,9 @@ struct SinCos {
 /// finite argument, so that quarter turns give exactly 0 and +-1; within 1e-15 relative. Non-finite: NaN.
 SinCos sincos_turns(double turns) noexcept;
 
+/// Arc tangent in (-pi/2, pi/2) [rad], within 1e-15 relative; odd in x.
+double atan(double x) noexcept;
+
 /// Fractional part in [0, 1), exact: turns - floor(turns), for wall phases that grow with the step number.
 double fraction(double turns) noexcept;
 

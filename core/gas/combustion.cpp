@@ -1,0 +1,125 @@
+// See combustion.hpp. Each reaction in turn, implicit in its extent: xi = dt * rate(concentrations after xi). The rate
+// falls with xi while temperature is held, so that there is one root, between nothing and the reactant that ends first.
+#include "core/gas/combustion.hpp"
+
+#include "core/base/det_math.hpp"
+#include "core/base/types.hpp"
+#include "core/gas/species.hpp"
+
+namespace talus::gas {
+
+namespace {
+
+constexpr int O2 = 0, CO2 = 1, CO = 2, H2O = 3, H2 = 4, CH4 = 5, TAR = 6;
+constexpr int k_reactions = 4;
+constexpr int k_fuel[k_reactions] = {CO, H2, CH4, TAR};
+constexpr double k_change[k_reactions][k_gas_species] = {
+    // O2, CO2, CO, H2O, H2, CH4, tar, N2 per fuel [mol]
+    {-0.5, 1, -1, 0, 0, 0, 0, 0},
+    {-0.5, 0, 0, 1, -1, 0, 0, 0},
+    {-1.5, 0, 1, 2, 0, -1, 0, 0},
+    {-4.5, 0, 6, 3, 0, 0, -1, 0},
+};
+constexpr double k_most_heating = 20;  // of one step within [K]
+constexpr int k_most_steps = 4000;
+
+double arrhenius(double factor, double energy, double t) { return factor * det::exp(-energy / (k_gas_constant * t)); }
+
+/// x^y, 0 at 0.
+double power(double x, double y) { return x > 0 ? det::pow(x, y) : 0; }
+
+}  // namespace
+
+double burning_rate(int r, const GasFractions& c, double t) noexcept {
+  const auto at = [&](int k) { return fmax2(0, c[static_cast<std::size_t>(k)]); };
+  if (!(at(O2) > 0) || !(at(k_fuel[r]) > 0)) return 0;
+  switch (r) {
+    case 0:
+      return arrhenius(1.3e8, 125520, t) * at(CO) * __builtin_sqrt(at(H2O) * at(O2));
+    case 1:
+      return arrhenius(1.8e10, 146450, t) * at(H2) * __builtin_sqrt(at(O2));
+    case 2:
+      return arrhenius(1.585e10, 202506, t) * power(at(CH4), 0.7) * power(at(O2), 0.8);
+    default: {
+      // the published order of -0.1 would let the rate rise without bound as tar runs out
+      const double tar = fmax2(at(TAR), 0.1);
+      return arrhenius(7.59e6, 125520, t) * power(tar, -0.1) * fmin2(1, at(TAR) / 0.1) * power(at(O2), 1.85);
+    }
+  }
+}
+
+namespace {
+
+/// Extent of reaction r over tau, per volume [mol/m3].
+double extent(int r, const GasFractions& c, double t, double tau) {
+  double most = 1e300;
+  for (int k = 0; k < k_gas_species; ++k)
+    if (k_change[r][k] < 0) most = fmin2(most, c[static_cast<std::size_t>(k)] / -k_change[r][k]);
+  const double now = tau * burning_rate(r, c, t);
+  if (!(most > 0) || !(now > 0)) return 0;
+  double low = 0, high = fmin2(most, now);
+  for (int q = 0; q < 60 && high - low > 1e-14 * high; ++q) {
+    const double middle = 0.5 * (low + high);
+    GasFractions after = c;
+    for (int k = 0; k < k_gas_species; ++k)
+      if (k_change[r][k] < 0) after[static_cast<std::size_t>(k)] += k_change[r][k] * middle;
+    (tau * burning_rate(r, after, t) > middle ? low : high) = middle;
+  }
+  return low;
+}
+
+/// All reactions in turn over tau; masses after it.
+GasFractions burnt(const GasFractions& mass, double t, double volume, double tau) {
+  GasFractions moles;
+  for (int k = 0; k < k_gas_species; ++k)
+    moles[static_cast<std::size_t>(k)] = mass[static_cast<std::size_t>(k)] / species(k).molar_mass;
+  GasFractions change{};
+  for (int r = 0; r < k_reactions; ++r) {
+    GasFractions c;
+    for (std::size_t k = 0; k < c.size(); ++k) c[k] = (moles[k] + change[k]) / volume;
+    const double xi = extent(r, c, t, tau) * volume;
+    for (std::size_t k = 0; k < c.size(); ++k) change[k] += k_change[r][k] * xi;
+  }
+  GasFractions after = mass;
+  for (int k = 0; k < k_gas_species; ++k) {
+    double& m = after[static_cast<std::size_t>(k)];
+    m = fmax2(0, m + change[static_cast<std::size_t>(k)] * species(k).molar_mass);
+  }
+  return after;
+}
+
+}  // namespace
+
+double burn(GasFractions& mass, double h, double t, double pressure, double dt) noexcept {
+  const auto temperature = [&](const GasFractions& m, double guess) {
+    double total = 0;
+    for (const double x : m) total += x;
+    GasFractions y = m;
+    for (double& x : y) x /= total;
+    return temperature_of(y, h / total, guess);
+  };
+  const auto moles = [](const GasFractions& m) {
+    double n = 0;
+    for (int k = 0; k < k_gas_species; ++k) n += m[static_cast<std::size_t>(k)] / species(k).molar_mass;
+    return n;
+  };
+  double left = dt, tau = dt;
+  for (int q = 0; q < k_most_steps && left > 0; ++q) {
+    tau = fmin2(tau, left);
+    const double volume = moles(mass) * k_gas_constant * t / pressure;
+    const GasFractions after = burnt(mass, t, volume, tau);
+    const double hot = temperature(after, t);
+    if (hot - t > k_most_heating && q < k_most_steps - 1 && tau > 1e-9 * dt) {
+      tau *= 0.5;
+      continue;
+    }
+    const bool slow = hot - t < 0.25 * k_most_heating;
+    mass = after;
+    t = hot;
+    left -= tau;
+    if (slow) tau *= 2;
+  }
+  return t;
+}
+
+}  // namespace talus::gas

@@ -1,0 +1,29 @@
+// Drag of a gas on the grains of a bed, without the force of the pressure gradient, which is a term of its own. Who
+// calls it: core/gas/flow.cpp (resistance of a cell), core/gas/exchange.cpp (force on a grain). All laws are given as
+// F = drag / (3 pi mu d U), with U = porosity * |gas - grain| and Re = rho U d / mu (both superficial).
+#pragma once
+
+#include "core/scene/gas_settings.hpp"
+
+namespace talus::gas {
+
+/// F of a bed of equal spheres [-]. ergun: Ergun (1952). gidaspow: Ergun below a porosity of 0.7, Wen and Yu (1966)
+/// above 0.9, a smooth step between. di_felice: Di Felice (1994), force of model A. beetstra: Beetstra et al. (2007).
+/// gidaspow and di_felice end in the drag of a single sphere at porosity 1; beetstra was fitted for porosities of 0.4
+/// to 0.9 and is above it there (by 49 % at Re 500); ergun has no such limit.
+double drag_factor(GasDrag law, double porosity, double re) noexcept;
+
+/// Pressure gradient / superficial velocity of a bed: 18 mu (1 - e) F / (e d^2) [Pa s/m2]. `slip`: superficial [m/s].
+double bed_resistance(GasDrag law, double porosity, double diameter, double viscosity, double density,
+                      double slip) noexcept;
+
+/// Of a grain of `own` diameter in a bed of Sauter diameter `mean`: drag / (gas - grain velocity) [kg/s]. Ergun's part
+/// goes by the volume of the grain (it holds for the bed as a whole), the others by its own diameter. `slip`:
+/// superficial [m/s].
+double grain_drag(GasDrag law, double porosity, double own, double mean, double viscosity, double density,
+                  double slip) noexcept;
+
+/// Nusselt number of a grain [-]. Gunn (1978), Whitaker (1972), Ranz and Marshall (1952), Wakao (1979).
+double nusselt(GasNusselt law, double porosity, double re, double prandtl) noexcept;
+
+}  // namespace talus::gas

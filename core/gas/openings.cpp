@@ -1,0 +1,48 @@
+// See openings.hpp.
+#include "core/gas/openings.hpp"
+
+#include <fmt/format.h>
+
+#include "core/base/error.hpp"
+#include "core/gas/species.hpp"
+
+namespace talus::gas {
+
+int axis_of(GasSide side) noexcept { return static_cast<int>(side) / 2; }
+bool is_high(GasSide side) noexcept { return static_cast<int>(side) % 2 == 1; }
+
+std::vector<Opening> openings_of(const Grid& g, const GasSettings& s) {
+  std::vector<Opening> all(g.outer.size());
+  int number = 0;
+  for (const GasInlet& i : s.inlets) {
+    ++number;
+    const double t = i.temperature > 0 ? i.temperature : s.temperature;
+    const GasFractions& y = i.own_fractions ? i.fractions : s.fractions;
+    Opening o;
+    o.gas_constant_t = specific_gas_constant(y) * t;
+    o.enthalpy = enthalpy(y, t);
+    o.fractions = y;
+    o.pressure = i.pressure > 0 ? i.pressure : s.pressure;
+    int faces = 0;
+    for (std::size_t k = 0; k < g.outer.size(); ++k) {
+      const OuterFace& f = g.outer[k];
+      if (f.axis != axis_of(i.side) || f.high != is_high(i.side)) continue;
+      bool inside = true;
+      for (int q = 0; q < 3; ++q)
+        if (q != f.axis) inside = inside && f.middle[q] >= i.lower[q] && f.middle[q] <= i.upper[q];
+      if (!inside) continue;
+      ++faces;
+      o.kind = i.kind == GasInlet::Kind::flow ? Opening::Kind::flow : Opening::Kind::pressure;
+      if (i.kind == GasInlet::Kind::flow)
+        o.flux = s.pressure / o.gas_constant_t * i.velocity * g.area[static_cast<std::size_t>(f.axis)];
+      all[k] = o;
+    }
+    if (faces == 0)
+      throw Error(ErrorCode::scene,
+                  fmt::format("gas.inlet {} ({}) covers no face of the grid", number, enum_word(i.side)), "gas",
+                  "lower and upper must hold the middle of a cell's face, on a side that is not periodic");
+  }
+  return all;
+}
+
+}  // namespace talus::gas
