@@ -7,7 +7,7 @@
                                                        #          sliding frictional cooling hopper chute
   python3 perf/error_time.py --wrap "taskset -c 1"     # around the timed batches (each at most about 40 s)
 
-Writes OUT/error_time.html (self-contained), .csv and .json; OUT is build/error_time. Results are kept under OUT/cache by
+Writes OUT/error_time.html (self-contained, begins with the summary), .csv, .json and summary.md; OUT is build/error_time. Results are kept under OUT/cache by
 input, command and program, so that a second call only does what is missing; --fresh starts over. Talus is found in
 build/talus (--talus PATH); LAMMPS and LIGGGHTS (apt: lammps, liggghts) are taken from the path if they are there. Needs
 python3-numpy and python3-matplotlib. Exit code 1: a claim that has to hold does not (same bits for every list and
@@ -196,6 +196,8 @@ def main():
     from error_time import page  # needs matplotlib: a missing one must not cost the measurements
     print_advice(results)
     page.write(os.path.join(args.out, "error_time.html"), results, facts)
+    with open(os.path.join(args.out, "summary.md"), "w") as f:
+        f.write(findings.summary_table(results))
     for r in results:
         r["rows"] = finite(r["rows"])
     write_tables(args.out, results, facts)

@@ -23,9 +23,12 @@ nothing on the trays around the jet, rate without drift.
 
   python3 cases/hopper/beverloo.py                      # all families, 3 seeds, 33 runs
   python3 cases/hopper/beverloo.py --quick              # one seed, short windows: does the chain work?
+  python3 cases/hopper/beverloo.py --plan               # the runs, their size, which ones are done; runs nothing
+  python3 cases/hopper/beverloo.py --minutes 10         # no new run after ten minutes; call again until it exits with 0 or 1
 
-Finished runs are kept: a second call only does what is missing. Writes OUT/beverloo.json and OUT/beverloo.svg.
-Exit code: 0 slopes in range and Mankoc's law met, 1 not, 2 a run failed or failed a check.
+Finished runs are kept: a second call only does what is missing. A run that was broken off begins again from its
+filling. Writes OUT/beverloo.json and OUT/beverloo.svg. Exit code: 0 slopes in range and Mankoc's law met, 1 not, 2 a run
+failed or failed a check, 3 runs are left (--minutes).
 """
 
 import argparse
@@ -38,6 +41,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 DIAMETER, STEP, GRAVITY = 0.005, 2e-5, 9.81
@@ -80,6 +84,10 @@ class Failed(Exception):
     pass
 
 
+class Left(Exception):
+    """The time of --minutes is over before this run."""
+
+
 def t95(degrees):
     return T95[degrees] if degrees < len(T95) else 1.96 + 2.4 / degrees
 
@@ -107,6 +115,8 @@ def run(args, folder, scene, steps, sets, resume=None):
                 return False
     except OSError:
         pass
+    if args.until is not None and time.monotonic() > args.until:
+        raise Left()
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if done.returncode != 0:
         raise Failed("%s: exit code %d\n%s" % (" ".join(command), done.returncode, done.stdout))
@@ -154,10 +164,7 @@ def discharge(args, filled, notch):
     family, seed = filled["family"], filled["seed"]
     spec = FAMILIES[family]
     folder = os.path.join(args.out, "%s-%g-%d" % (family, notch, seed))
-    length = spec["length"].get(notch, max(spec["length"].values()))
-    if args.quick:
-        length = spec["transient"] + 0.5 * (length - spec["transient"])
-    steps = spec["opens"] + round(length / STEP)
+    steps = spec["opens"] + steps_of(args, family, notch)
     fresh = run(args, folder, spec["scene"], steps, ["seed=%d" % seed] + spec["notch"](notch * DIAMETER),
                 filled["checkpoint"])
     s = series(folder)
@@ -373,7 +380,10 @@ def arguments():
     parser.add_argument("--threads", type=int, default=1, help="threads of each run")
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
     parser.add_argument("--quick", action="store_true", help="one seed and half the window")
+    parser.add_argument("--plan", action="store_true", help="list the runs and which of them are done, run nothing")
+    parser.add_argument("--minutes", type=float, help="start no run after this time")
     args = parser.parse_args()
+    args.until = None if args.minutes is None else time.monotonic() + 60 * args.minutes
     if not os.path.exists(args.talus):
         args.talus = shutil.which("talus") or parser.error("no %s: build Talus first, or name it by --talus" % args.talus)
     if args.quick:
@@ -383,17 +393,53 @@ def arguments():
     return args
 
 
+def steps_of(args, family, notch):
+    spec = FAMILIES[family]
+    length = spec["length"].get(notch, max(spec["length"].values()))
+    if args.quick:
+        length = spec["transient"] + 0.5 * (length - spec["transient"])
+    return round(length / STEP)
+
+
+def plan(args, families):
+    """Runs in their order with their particle-steps (a discharge with all grains: an upper bound) and state."""
+    total = 0
+    for family in families:
+        spec = FAMILIES[family]
+        for seed in args.seeds:
+            todo = [("%s-fill-%d" % (family, seed), spec["opens"])]
+            todo += [("%s-%g-%d" % (family, n, seed), steps_of(args, family, n)) for n in args.notches or spec["notches"]]
+            for name, steps in todo:
+                done = os.path.exists(os.path.join(args.out, name, "study.key"))
+                total += 0 if done else steps * spec["grains"]
+                print("  %-14s %6d steps of %d grains, at most %.1e particle-steps%s" %
+                      (name, steps, spec["grains"], steps * spec["grains"], ", done" if done else ""))
+    print("left: at most %.1e particle-steps, %.0f core-minutes at 20 million a second" % (total, total / 20e6 / 60))
+    return 0
+
+
+def finished(jobs):
+    """Results of all, after the last one has ended."""
+    concurrent.futures.wait(jobs)
+    return [f.result() for f in jobs]
+
+
 def main():
     args = arguments()
-    os.makedirs(args.out, exist_ok=True)
     families = list(FAMILIES) if args.family == "all" else [args.family]
+    if args.plan:
+        return plan(args, families)
+    os.makedirs(args.out, exist_ok=True)
     try:
         with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
             fills = [pool.submit(fill, args, family, seed) for family in families for seed in args.seeds]
-            filled = [f.result() for f in fills]
+            filled = finished(fills)
             runs = [pool.submit(discharge, args, one, notch) for one in filled
                     for notch in args.notches or FAMILIES[one["family"]]["notches"]]
-            results = [f.result() for f in runs]
+            results = finished(runs)
+    except Left:
+        print("Time is over: call again for the runs that are left (--plan lists them)")
+        return 3
     except Failed as failure:
         print("beverloo.py: " + str(failure), file=sys.stderr)
         return 2

@@ -78,6 +78,27 @@ def summary(rows):
     return out
 
 
+def summary_table(results):
+    """The summary of all scenes as Markdown: Talus, then the other codes with their run time over that of Talus."""
+    def cell(best):
+        ours, out = best.get("talus"), []
+        for code, row in best.items():
+            name = {"talus": "Talus", "lammps": "LAMMPS", "liggghts": "LIGGGHTS"}[code]
+            if row is None:
+                out.append(f"{name}: none")
+            elif row is ours:
+                out.append(f"{name}: {row['label']}, {row['wall_s']:.3g} s")
+            else:
+                ratio = f" ({row['wall_s'] / ours['wall_s']:.2g} x)" if ours else ""
+                out.append(f"{name}: dt {row['steps_per_contact']:g}, {row['wall_s']:.3g} s{ratio}")
+        return "; ".join(out)
+
+    lines = ["| scene | " + " | ".join(f"{100 * t:g} %" for t in TOLERANCES) + " |", "|---" * (1 + len(TOLERANCES)) + "|"]
+    for r in results:
+        lines.append(f"| {r['title']} | " + " | ".join(cell(best) for _, best in summary(r["rows"])) + " |")
+    return "\n".join(lines) + "\n"
+
+
 def cheapest(rows):
     """The fastest row; but the default setting where the clock does not tell it from that one (ranges overlap)."""
     best = min(rows, key=lambda r: r["wall_s"], default=None)

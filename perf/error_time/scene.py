@@ -90,6 +90,9 @@ class Scene:
             out += [Setting(f"{family}, dt {q:g}", family, q, knobs=knobs) for q in some]
         if self.hertz_law:
             out += [Setting(f"Hertz, dt {q:g}", "Hertz law", q, hertz=True) for q in some]
+            if self.hertz_law.mu > 0:  # a law of its own, so averages are told apart at one step
+                out += [Setting(f"Hertz, partial slip, dt {q:g}", "Hertz law, partial slip", q, hertz=True,
+                                knobs={"contact.partial_slip": True}) for q in ([middle] if self.kind == "bulk" else some)]
         out += [Setting(f"soft {f:g}", "softened, step follows", middle, soft=f, may_stop=True) for f in self.softenings]
         for key, value in features["precisions"]:
             out += [Setting(f"{key} {value}, dt {q:g}", f"{key} {value}", q, knobs={key: value}) for q in some]
