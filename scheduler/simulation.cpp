@@ -97,7 +97,7 @@ void Simulation::run(std::int64_t steps) {
 const Scene& Simulation::scene() const noexcept { return impl_->w.rules.scene; }
 std::int64_t Simulation::step() const noexcept { return impl_->w.clock.step; }
 double Simulation::time() const noexcept { return static_cast<double>(impl_->w.clock.step) * impl_->w.rules.scene.dt; }
-std::int64_t Simulation::particles() const noexcept { return impl_->w.rows.alive; }
+std::int64_t Simulation::particles() const noexcept { return impl_->w.rows.grains(); }
 std::uint64_t Simulation::state_hash() const {
   return talus::state_hash(impl_->w.rules, impl_->w.clock, impl_->w.rows, impl_->w.contacts, *impl_->w.insertion,
                            impl_->w.team.failure.any());

@@ -38,6 +38,15 @@ struct Energies {
   double residual = 0;
 };
 
+/// A body of several spheres.
+struct BodyRecord {
+  ParticleId id = 0;                              ///< that of its first sphere
+  std::int32_t shape = 0;                         ///< index into scene.shapes
+  double scale = 1, mass = 0;                     ///< mass [kg]
+  Vec3 x, v, w;                                   ///< of the centre of mass [m], [m/s] (at n-1/2), [rad/s]
+  std::array<double, 4> orientation{1, 0, 0, 0};  ///< quaternion w, x, y, z from the principal axes to space
+};
+
 /// A per-grain column of an optional part.
 struct ExtraColumn {
   std::string name, unit;
@@ -56,6 +65,7 @@ struct Frame {
   std::vector<std::int32_t> coordination;     ///< on request
   std::vector<std::array<double, 6>> stress;  ///< on request: xx yy zz xy xz yz [Pa], sum over contacts of f l / volume
   std::vector<ExtraColumn> extra;             ///< of optional parts, in the order of their list
+  std::vector<BodyRecord> bodies;             ///< in id order; particles are their spheres
   std::vector<ContactRecord> contacts;        ///< on request
   std::vector<WallSurface> walls;             ///< current pose; empty without walls
   std::vector<WallLoad> wall_loads;

@@ -225,6 +225,30 @@ PolyData contact_poly(const Frame& frame) {
   return p;
 }
 
+PolyData body_poly(const Frame& frame) {
+  PolyData p;
+  p.vertices = true;
+  std::vector<std::int64_t> id;
+  std::vector<std::int32_t> shape;
+  std::vector<double> scale, mass, turn;
+  std::vector<Vec3> v, w;
+  for (const BodyRecord& b : frame.bodies) {
+    p.points.push_back(b.x);
+    id.push_back(b.id);
+    shape.push_back(b.shape);
+    scale.push_back(b.scale);
+    mass.push_back(b.mass);
+    v.push_back(b.v);
+    w.push_back(b.w);
+    turn.insert(turn.end(), b.orientation.begin(), b.orientation.end());
+  }
+  p.point_data = {{"id", 1, std::move(id)},           {"shape", 1, std::move(shape)},
+                  {"scale", 1, std::move(scale)},     {"mass", 1, std::move(mass)},
+                  {"velocity", 3, flat_of(v)},        {"angular_velocity", 3, flat_of(w)},
+                  {"orientation", 4, std::move(turn)}};
+  return p;
+}
+
 std::vector<Vec3> vectors_of(const std::vector<double>& flat) {
   std::vector<Vec3> out(flat.size() / 3);
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = {flat[3 * i], flat[3 * i + 1], flat[3 * i + 2]};

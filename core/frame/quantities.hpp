@@ -66,6 +66,9 @@ PolyData particle_poly(const Frame& frame, const ParticleColumns& columns);
 PolyData wall_poly(const Frame& frame);
 /// One point per contact.
 PolyData contact_poly(const Frame& frame);
+/// A point per body with id, shape, scale, mass, velocity, angular_velocity and orientation (a quaternion, as glyph
+/// mappers take it).
+PolyData body_poly(const Frame& frame);
 
 /// Triples of numbers as vectors, and back.
 std::vector<Vec3> vectors_of(const std::vector<double>& flat);

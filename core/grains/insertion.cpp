@@ -26,6 +26,7 @@ Insertion::Insertion(const Scene& scene) : scene_(scene) {
   files_.resize(scene_.sources.size());
   rows_.resize(scene_.sources.size());
   require_loaded(scene_);
+  set_natural_sizes(scene_);
   for (std::size_t s = 0; s < scene_.sources.size(); ++s) {
     const Source& source = scene_.sources[s];
     samplers_.emplace_back(source.size);
@@ -75,7 +76,7 @@ NewParticles Insertion::initial(const WallSet* walls) {
     if ((source.kind == Source::Kind::lattice || source.kind == Source::Kind::random) && source.start <= 0)
       fill(s, out, {}, walls, out);
   }
-  inserted_ += static_cast<std::int64_t>(out.size());
+  inserted_ += out.grains();
   return out;
 }
 
@@ -123,8 +124,13 @@ NewParticles Insertion::batch(std::int64_t n, const PresentParticles& present, c
     state_ = before;
     throw;
   }
-  inserted_ += static_cast<std::int64_t>(out.size());
+  inserted_ += out.grains();
   return out;
+}
+
+const ClumpShape* Insertion::shape_of(std::size_t s) const {
+  const int shape = scene_.sources[s].shape;
+  return shape < 0 ? nullptr : scene_.shapes[static_cast<std::size_t>(shape)].clump.get();
 }
 
 std::vector<char> Insertion::materials() const {
@@ -140,7 +146,7 @@ double Insertion::smallest_radius() const {
   double smallest = k_never;
   for (std::size_t s = 0; s < scene_.sources.size(); ++s) {
     if (scene_.sources[s].kind != Source::Kind::file)
-      smallest = fmin2(smallest, 0.5 * scene_.sources[s].size.smallest());
+      smallest = fmin2(smallest, 0.5 * scene_.sources[s].size.smallest() * smallest_share(scene_, s));
     for (double r : files_[s].r) smallest = fmin2(smallest, r);
   }
   return smallest == k_never ? 0 : smallest;
@@ -149,9 +155,18 @@ double Insertion::smallest_radius() const {
 double Insertion::largest_radius() const {
   double largest = 0;
   for (std::size_t s = 0; s < scene_.sources.size(); ++s) {
-    if (scene_.sources[s].kind != Source::Kind::file) largest = fmax2(largest, 0.5 * scene_.sources[s].size.largest());
+    if (scene_.sources[s].kind != Source::Kind::file)
+      largest = fmax2(largest, 0.5 * scene_.sources[s].size.largest() * largest_share(scene_, s));
     for (double r : files_[s].r) largest = fmax2(largest, r);
   }
+  return largest;
+}
+
+double Insertion::largest_reach() const {
+  double largest = largest_radius();
+  for (std::size_t s = 0; s < scene_.sources.size(); ++s)
+    if (const ClumpShape* c = shape_of(s))
+      largest = fmax2(largest, 0.5 * scene_.sources[s].size.largest() * (c->bound / c->equal_radius));
   return largest;
 }
 

@@ -9,21 +9,38 @@
 #include <string>
 #include <vector>
 
+#include "core/grains/clump_shape.hpp"
 #include "core/grains/population.hpp"
 #include "core/grains/size_sampler.hpp"
 #include "core/scene/scene.hpp"
 
 namespace talus {
 
+/// A body of several spheres among new particles.
+struct NewBody {
+  std::int32_t first = 0, count = 0;  ///< its spheres: so many particles, one after another
+  std::int32_t shape = 0;             ///< index into scene.shapes
+  double scale = 1, mass = 0;         ///< mass [kg]
+  Vec3 x, v;                          ///< of the centre of mass [m], [m/s]
+  shapes::Quaternion turn;            ///< from the principal axes to space
+};
+
 /// Particles to append, in id order. All vectors have the same length.
 struct NewParticles {
   std::vector<Vec3> x, v, w;  ///< [m], [m/s], [rad/s]
   std::vector<double> r;      ///< [m]
   std::vector<std::uint8_t> material;
-  std::vector<std::uint8_t> fixed;  ///< 1: frozen
-  std::vector<std::int16_t> group;  ///< index into scene.groups or -1
+  std::vector<std::uint8_t> fixed;   ///< 1: frozen
+  std::vector<std::int16_t> group;   ///< index into scene.groups or -1
   std::vector<std::int32_t> source;  ///< index into scene.sources
+  std::vector<NewBody> bodies;       ///< ascending
   std::size_t size() const noexcept { return x.size(); }
+  /// A body is one.
+  std::int64_t grains() const noexcept {
+    auto n = static_cast<std::int64_t>(size());
+    for (const NewBody& b : bodies) n -= b.count - 1;
+    return n;
+  }
 };
 
 /// Present particles as the engine stores them: rows {x, y, z, r} of 4 doubles, positions relative to the domain's
@@ -73,7 +90,8 @@ class Insertion {
   std::vector<char> materials() const;  ///< [materials] not 0 where a particle of it is or will be
   double smallest_radius() const;
   double largest_radius() const;
-  bool any_fixed() const;  ///< some particle of the initial files is frozen
+  double largest_reach() const;  ///< from the centre of a body or grain to its farthest point [m]
+  bool any_fixed() const;        ///< some particle of the initial files is frozen
 
  private:
   struct SourceState {
@@ -103,14 +121,19 @@ class Insertion {
   // insertion_fill.cpp
   double next_radius(std::size_t source) const;
   double mass_of(std::size_t source, double r) const;
+  /// r: of a sphere, or of the sphere of equal volume.
   void deliver(std::size_t source, Vec3 x, double r, NewParticles& out);
+  void append(std::size_t source, Vec3 x, double r, Vec3 v, NewParticles& out) const;
+  void append_body(std::size_t source, Vec3 x, double r, Vec3 v, NewParticles& out) const;
+  const ClumpShape* shape_of(std::size_t source) const;  ///< null: spheres
+  shapes::Quaternion turn_of(std::size_t source, std::int64_t number) const;
   void fill_lattice(std::size_t source, Site& site, NewParticles& out);
   void fill_random(std::size_t source, Site& site, NewParticles& out);
   void fill_stream(std::size_t source, Site& site, NewParticles& out);
   void fill(std::size_t source, const NewParticles& before, const PresentParticles& present, const WallSet* walls,
             NewParticles& out);
 
-  const Scene scene_;
+  Scene scene_;  ///< bodies without a size have that of their shape
   std::vector<SourceState> state_;
   std::vector<SizeSampler> samplers_;            ///< one per source
   std::vector<NewParticles> files_;              ///< one per source, filled for file sources; read once; one tile

@@ -60,6 +60,21 @@ struct Insertion::Site {
     ++in_wall;
     return Answer::wall;
   }
+  /// The same of a grain of volume-equal radius r; `shape`: of a body, or null.
+  Answer ask(const ClumpShape* shape, const shapes::Quaternion& turn, Vec3 x, double r, double scale = 1 + 1e-12) {
+    if (shape == nullptr) return ask(x, r, scale);
+    const shapes::Rotation to = shapes::rotation(turn);
+    const double size = r / shape->equal_radius;
+    for (const shapes::SubSphere& s : shape->spheres)
+      if (const Answer a = ask(x + shapes::to_space(to, size * s.x), size * s.r, scale); a != Answer::free) return a;
+    return Answer::free;
+  }
+  void occupy(const ClumpShape* shape, const shapes::Quaternion& turn, Vec3 x, double r) {
+    if (shape == nullptr) return occupied.add(x, r);
+    const shapes::Rotation to = shapes::rotation(turn);
+    const double size = r / shape->equal_radius;
+    for (const shapes::SubSphere& s : shape->spheres) occupied.add(x + shapes::to_space(to, size * s.x), size * s.r);
+  }
   bool on_side(Vec3 x) const {
     return closed == nullptr || source.closed_walls == Source::ClosedWalls::both ||
            closed->inside_any(*walls.walls(), x) == (source.closed_walls == Source::ClosedWalls::inside);
@@ -91,8 +106,42 @@ double Insertion::next_radius(std::size_t s) const {
 }
 
 double Insertion::mass_of(std::size_t s, double r) const {
-  const double density = scene_.materials[static_cast<std::size_t>(scene_.sources[s].material)].density;
-  return Body{r, density}.mass();
+  const Material& material = scene_.materials[static_cast<std::size_t>(scene_.sources[s].material)];
+  if (const ClumpShape* shape = shape_of(s)) return shape->mass(material, r / shape->equal_radius);
+  return Body{r, material.density}.mass();
+}
+
+shapes::Quaternion Insertion::turn_of(std::size_t s, std::int64_t number) const {
+  return shape_of(s) == nullptr ? shapes::Quaternion{} : first_turn(scene_, s, number);
+}
+
+void Insertion::append(std::size_t s, Vec3 x, double r, Vec3 v, NewParticles& out) const {
+  const Source& source = scene_.sources[s];
+  out.x.push_back(wrapped(scene_.domain, x));
+  out.v.push_back(v);
+  out.w.push_back({});
+  out.r.push_back(r);
+  out.material.push_back(static_cast<std::uint8_t>(source.material));
+  out.fixed.push_back(0);
+  out.group.push_back(static_cast<std::int16_t>(source.group));
+  out.source.push_back(static_cast<std::int32_t>(s));
+}
+
+void Insertion::append_body(std::size_t s, Vec3 x, double r, Vec3 v, NewParticles& out) const {
+  const ClumpShape& shape = *shape_of(s);
+  NewBody b;
+  b.first = static_cast<std::int32_t>(out.size());
+  b.count = static_cast<std::int32_t>(shape.spheres.size());
+  b.shape = scene_.sources[s].shape;
+  b.scale = r / shape.equal_radius;
+  b.mass = mass_of(s, r);
+  b.x = wrapped(scene_.domain, x);
+  b.v = v;
+  b.turn = turn_of(s, state_[s].number);
+  const shapes::Rotation to = shapes::rotation(b.turn);
+  for (const shapes::SubSphere& part : shape.spheres)
+    append(s, b.x + shapes::to_space(to, b.scale * part.x), b.scale * part.r, v, out);
+  out.bodies.push_back(b);
 }
 
 void Insertion::deliver(std::size_t s, Vec3 x, double r, NewParticles& out) {
@@ -106,14 +155,10 @@ void Insertion::deliver(std::size_t s, Vec3 x, double r, NewParticles& out) {
       v[k] = v[k] + rng.uniform(draw, -source.velocity_jitter, source.velocity_jitter);
     }
   }
-  out.x.push_back(wrapped(scene_.domain, x));
-  out.v.push_back(v);
-  out.w.push_back({});
-  out.r.push_back(r);
-  out.material.push_back(static_cast<std::uint8_t>(source.material));
-  out.fixed.push_back(0);
-  out.group.push_back(static_cast<std::int16_t>(source.group));
-  out.source.push_back(static_cast<std::int32_t>(s));
+  if (source.shape < 0)
+    append(s, x, r, v, out);
+  else
+    append_body(s, x, r, v, out);
   ++state.number;
   state.mass += mass_of(s, r);
 }
@@ -123,6 +168,8 @@ void Insertion::fill(std::size_t s, const NewParticles& before, const PresentPar
   const Source& source = scene_.sources[s];
   // Grains already there may be far larger than the source's: in its finest cells one of them widens every search.
   double largest = 0.5 * source.size.largest();
+  if (const ClumpShape* shape = shape_of(s))  // its spheres lie on either side of a face of the domain
+    largest = 2 * largest * (shape->bound / shape->equal_radius);
   for (std::size_t i = 0; i < present.size(); ++i)
     if (present.rows[4 * i] <= 1e100) largest = fmax2(largest, present.rows[4 * i + 3]);
   for (const double r : before.r) largest = fmax2(largest, r);
@@ -143,7 +190,9 @@ void Insertion::fill(std::size_t s, const NewParticles& before, const PresentPar
 void Insertion::fill_lattice(std::size_t s, Site& site, NewParticles& out) {
   const Source& source = scene_.sources[s];
   const Region& g = source.region;
-  const double largest = source.size.largest(), pitch = source.spacing * largest;
+  const ClumpShape* shape = shape_of(s);
+  const double largest = source.size.largest() * (shape != nullptr ? shape->bound / shape->equal_radius : 1);
+  const double pitch = source.spacing * largest;
   const bool hexagonal = source.lattice == Source::Lattice::hexagonal;
   // Close-packed layers: rows sqrt(3)/2, layers sqrt(2/3) apart, each second row and layer shifted into the gaps.
   const double row = hexagonal ? 0.5 * std::sqrt(3.0) * pitch : pitch;
@@ -172,9 +221,10 @@ void Insertion::fill_lattice(std::size_t s, Site& site, NewParticles& out) {
         }
         const double r = next_radius(s);
         ++sites;
-        if (site.ask(x, r, 1 - 1e-9) != Site::Answer::free) continue;
+        const shapes::Quaternion turn = turn_of(s, state_[s].number);
+        if (site.ask(shape, turn, x, r, 1 - 1e-9) != Site::Answer::free) continue;
         ++state_[s].drawn;
-        site.occupied.add(x, r);
+        site.occupy(shape, turn, x, r);
         deliver(s, x, r, out);
       }
     }
@@ -212,15 +262,17 @@ void Insertion::fill_random(std::size_t s, Site& site, NewParticles& out) {
   std::vector<Vec3> x(r.size());
   std::uint64_t draw = 0;
   double volume = 0;
+  const ClumpShape* shape = shape_of(s);
   for (std::size_t placed = 0; placed < order.size(); ++placed) {
     const std::size_t i = order[placed];
+    const shapes::Quaternion turn = turn_of(s, state.number + static_cast<std::int64_t>(i));
     Site::Answer answer = Site::Answer::taken;
     site.in_wall = 0;
     // Only tries that other particles refuse tell that a pack is full.
     std::int64_t misses = std::int64_t{k_misses} * k_random_attempts;
     for (int attempt = 0; attempt < k_random_attempts && misses > 0 && answer != Site::Answer::free;) {
       x[i] = site.draw(rng, draw, r[i]);
-      answer = site.ask(x[i], r[i]);
+      answer = site.ask(shape, turn, x[i], r[i]);
       if (answer == Site::Answer::taken)
         ++attempt;
       else
@@ -233,7 +285,7 @@ void Insertion::fill_random(std::size_t s, Site& site, NewParticles& out) {
                   fmt::format("source '{}'", source.name),
                   "enlarge the region, ask for fewer particles, or use a lattice or a stream");
     volume += Body{r[i]}.volume();
-    site.occupied.add(x[i], r[i]);
+    site.occupy(shape, turn, x[i], r[i]);
   }
   for (std::size_t i = 0; i < r.size(); ++i) deliver(s, x[i], r[i], out);
 }
@@ -247,8 +299,10 @@ void Insertion::fill_stream(std::size_t s, Site& site, NewParticles& out) {
   const CounterRng rng(scene_.seed, s * k_purposes + k_position, static_cast<std::uint64_t>(state.batches));
   std::uint64_t draw = 0;
   const std::int64_t before = state.number;
+  const ClumpShape* shape = shape_of(s);
   while (!exhausted(s)) {
     const double r = next_radius(s);
+    const shapes::Quaternion turn = turn_of(s, state.number);
     const double price = by_mass ? mass_of(s, r) : 1;
     if (state.carry < price * (1 - 1e-9)) return;  // the rate does not owe it yet; rounding is forgiven
     Vec3 x;
@@ -256,7 +310,7 @@ void Insertion::fill_stream(std::size_t s, Site& site, NewParticles& out) {
     int misses = k_stream_misses * k_stream_attempts;
     for (int attempt = 0; attempt < k_stream_attempts && misses > 0 && answer != Site::Answer::free;) {
       x = site.draw(rng, draw, r);
-      answer = site.ask(x, r);
+      answer = site.ask(shape, turn, x, r);
       // the rim of an upright cylinder always counted as a try: earlier runs keep their bits
       const bool counts =
           answer == Site::Answer::taken || (answer == Site::Answer::outside && g.shape == Region::Shape::box);
@@ -274,7 +328,7 @@ void Insertion::fill_stream(std::size_t s, Site& site, NewParticles& out) {
     }
     ++state.drawn;
     state.carry -= price;
-    site.occupied.add(x, r);
+    site.occupy(shape, turn, x, r);
     deliver(s, x, r, out);
   }
 }

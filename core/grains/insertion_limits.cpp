@@ -62,7 +62,7 @@ double lattice_sites(const Domain& d, const Source& s) {
 void Insertion::check_region(std::size_t s) const {
   const Source& source = scene_.sources[s];
   const Region& g = source.region;
-  const double largest = source.size.largest();
+  const double largest = source.size.largest() * largest_share(scene_, s);
   const auto refuse = [&](const std::string& what, const std::string& cure) {
     throw Error(ErrorCode::scene, what, fmt::format("source '{}'", source.name), cure);
   };
@@ -88,7 +88,8 @@ void Insertion::check_region(std::size_t s) const {
 double Insertion::check_numbers(std::size_t s) const {
   const Source& source = scene_.sources[s];
   const double each = mean_volume(samplers_[s]), room = volume(source.region);
-  const double density = scene_.materials[static_cast<std::size_t>(source.material)].density;
+  const Material& material = scene_.materials[static_cast<std::size_t>(source.material)];
+  const double density = shape_of(s) != nullptr ? shape_of(s)->density_of(material) : material.density;
   const auto refuse = [&](const std::string& asked, const std::string& fits) {
     throw Error(ErrorCode::scene, fmt::format("{}, {}", asked, fits), fmt::format("source '{}'", source.name),
                 "ask for fewer, or enlarge the region");
@@ -125,9 +126,10 @@ void Insertion::check_memory() const {
   double total = 0, most = 0;
   std::size_t greatest = 0;
   for (std::size_t s = 0; s < scene_.sources.size(); ++s) {
-    const double n = scene_.sources[s].kind == Source::Kind::file
-                         ? static_cast<double>(files_[s].size()) * static_cast<double>(tiles(s))
-                         : check_numbers(s);
+    const double n =
+        scene_.sources[s].kind == Source::Kind::file
+            ? static_cast<double>(files_[s].size()) * static_cast<double>(tiles(s))
+            : check_numbers(s) * (shape_of(s) != nullptr ? static_cast<double>(shape_of(s)->spheres.size()) : 1);
     total += n;
     if (n > most) most = n, greatest = s;
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/det_math.hpp"
+#include "core/grains/body.hpp"
 #include "core/grains/insertion.hpp"
 #include "core/scene/duration.hpp"
 
@@ -46,15 +47,19 @@ std::size_t tiles_of(const Source& s) {
 
 }  // namespace
 
-void Population::add(int material, bool fixed, double smallest, double largest, std::int64_t count) {
+void Population::add(int material, bool fixed, double smallest, double largest, std::int64_t count, double weight,
+                     double thinnest) {
   if (count <= 0) return;
-  auto kind = std::find_if(kinds.begin(), kinds.end(),
-                           [&](const GrainKind& k) { return k.material == material && k.fixed == fixed; });
+  auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const GrainKind& k) {
+    return k.material == material && k.fixed == fixed && k.weight == weight && k.thinnest == thinnest;
+  });
   if (kind == kinds.end()) {
     kinds.emplace_back();
     kind = kinds.end() - 1;
     kind->material = material;
     kind->fixed = fixed;
+    kind->weight = weight;
+    kind->thinnest = thinnest;
   }
   for (int k = 0; k < (count > 1 ? 2 : 1); ++k) {
     keep_two_smallest(kind->smallest, smallest);
@@ -80,7 +85,7 @@ std::int64_t Population::free_grains() const {
 double Population::smallest_free() const {
   double r = k_never;
   for (const GrainKind& k : kinds)
-    if (!k.fixed) r = fmin2(r, k.smallest[0]);
+    if (!k.fixed) r = fmin2(r, k.smallest[0] * k.thinnest);
   return r == k_never ? 0 : r;
 }
 
@@ -148,8 +153,17 @@ Population Insertion::population() const {
   for (std::size_t s = 0; s < scene_.sources.size(); ++s) {
     const Source& source = scene_.sources[s];
     if (source.kind != Source::Kind::file) {
-      if (source.start < end)
-        p.add(source.material, false, 0.5 * source.size.smallest(), 0.5 * source.size.largest(), most_of(source));
+      if (source.start >= end) continue;
+      const double share = largest_share(scene_, s), smallest = 0.5 * source.size.smallest() * share,
+                   largest = 0.5 * source.size.largest() * share;
+      if (const ClumpShape* c = shape_of(s)) {
+        const Material& m = scene_.materials[static_cast<std::size_t>(source.material)];
+        const double sphere = Body{c->largest, m.density}.mass();
+        p.add(source.material, false, smallest, largest, most_of(source), c->mass(m, 1) / (c->lightness * sphere),
+              c->smallest / c->largest);
+      } else {
+        p.add(source.material, false, smallest, largest, most_of(source));
+      }
       continue;
     }
     const NewParticles& f = files_[s];

@@ -18,6 +18,9 @@ struct GrainKind {
   bool fixed = false;
   double smallest[2] = {k_never, k_never}, largest[2] = {0, 0};
   std::int64_t count = 0;  ///< at most so many, capped at k_many_grains
+  /// Of bodies, of which the radii are those of the largest spheres: what answers a force on one over the mass of such
+  /// a sphere; the smallest radius over the largest.
+  double weight = 1, thinnest = 1;
 };
 inline constexpr std::int64_t k_many_grains = 1000;
 
@@ -34,7 +37,8 @@ struct Mover {
 class Population {
  public:
   /// `count` grains of radius smallest to largest [m], with any radius in between.
-  void add(int material, bool fixed, double smallest, double largest, std::int64_t count);
+  void add(int material, bool fixed, double smallest, double largest, std::int64_t count, double weight = 1,
+           double thinnest = 1);
   void add_velocity(Vec3 low, Vec3 high, double surface = 0);  ///< range per axis, of the surface by spin [m/s]
   std::vector<GrainKind> kinds;
   std::vector<Mover> movers;

@@ -8,6 +8,7 @@
 
 #include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
+#include "core/grains/clump_shape.hpp"
 #include "core/walls/closed_surface.hpp"
 #include "core/walls/wall_elements.hpp"
 
@@ -221,6 +222,8 @@ void load_regions(Scene& scene) {
   for (GroupSpec& g : scene.groups)
     if (g.region) load_region(*g.region, scene.directory, fmt::format("group '{}', region", g.name));
   for (auto& a : scene.output.regions) load(a.region, fmt::format("output region '{}'", a.name), false);
+  for (ShapeSpec& s : scene.shapes) load_shape(s, scene.directory);
+  set_natural_sizes(scene);
 }
 
 void require_loaded(const Scene& scene) {
@@ -233,6 +236,10 @@ void require_loaded(const Scene& scene) {
   for (const GroupSpec& g : scene.groups)
     if (g.region) require(*g.region, fmt::format("group '{}'", g.name));
   for (const auto& a : scene.output.regions) require(a.region, fmt::format("output region '{}'", a.name));
+  for (const ShapeSpec& s : scene.shapes)
+    if (s.clump == nullptr)
+      throw Error(ErrorCode::scene, fmt::format("the file {} has not been read", s.file),
+                  fmt::format("shape '{}'", s.name), "load_regions() reads it");
 }
 
 std::optional<RegionFault> region_fault(const Domain& d, const Region& g, bool within) {

@@ -35,10 +35,11 @@ void set_bounds(Region& region) noexcept;
 /// Reads the mesh of a region and sets surface and bounds; does nothing for other shapes. `where` names the region in
 /// messages. Error{scene} for a broken mesh or one with holes.
 void load_region(Region& region, const std::string& directory, const std::string& where);
-/// Of all regions of the scene: sources, groups, averages. Error{scene} also where a mesh turns out not to fit into the
-/// domain.
+/// Of all regions of the scene: sources, groups, averages; and the files of its shapes. Error{scene} also where a mesh
+/// turns out not to fit into the domain.
 void load_regions(Scene& scene);
-/// Error{scene} for a region whose mesh has not been read: a scene that was put together or parsed, but not loaded.
+/// Error{scene} for a region or shape whose file has not been read: a scene that was put together or parsed, but not
+/// loaded.
 void require_loaded(const Scene& scene);
 
 /// What keeps a region from being used, and the key at which that is said.

@@ -19,8 +19,11 @@ constexpr OutputFile k_files[] = {
     {"particles.pvd", "output.particles_every", "list of the particle frames: open this one in ParaView"},
     {"walls.pvd", "output.particles_every", "the same for walls; cell column wall: number of the wall, from 0"},
     {"contacts.pvd", "output.contacts", "the same for contacts, a point each"},
+    {"bodies.pvd", "source.shape",
+     "the same for bodies of several spheres, a point each: id, shape, scale, mass, velocity, angular_velocity, "
+     "orientation (quaternion w, x, y, z)"},
     {"grid.pvd", "output.grid", "the same for averages on a grid"},
-    {"vtp/{particles,walls,contacts}-<N>.vtp", "output.vtp", "frame of step N"},
+    {"vtp/{particles,walls,contacts,bodies}-<N>.vtp", "output.vtp", "frame of step N"},
     {"vtp/grid-<N>.vti", "output.grid", "averages on a grid at step N"},
     {"{particles,walls,contacts}.vtkhdf", "output.vtkhdf", "all frames in one file, for ParaView 5.12 or newer"},
     {"report.html", "", "what `talus report` makes of the folder"},
@@ -29,7 +32,7 @@ constexpr OutputFile k_files[] = {
     {"failed.vtp", "", "its particles"},
     {"failed_near.csv", "", "those near the ones that the failure names, with what each touches"},
     {"run.lock", "", "marks the folder while a run writes into it, and as one of a run"},
-    {"{scene,series,particles,walls,contacts,grid}-until-<N>.{toml,csv,vtkhdf,pvd}", "",
+    {"{scene,series,particles,walls,contacts,bodies,grid}-until-<N>.{toml,csv,vtkhdf,pvd}", "",
      "what was written before a resume at step N with another scene"},
 };
 

@@ -47,13 +47,13 @@ struct Pair {
 
 Pair pair_of(const Scene& scene, const ContactCase& c) {
   const Body a{c.r_a, scene.materials[static_cast<std::size_t>(c.a)].density};
-  const double m_a = a.mass(), inertia_a = a.inertia();
+  const double m_a = c.weight_a * a.mass(), inertia_a = c.weight_a * a.inertia();
   if (c.wall()) return {m_a, c.r_a, 1 / inertia_a};
   const double r = c.r_a * c.r_b / (c.r_a + c.r_b);
   if (c.fixed_b) return {m_a, r, 1 / inertia_a};
   const Body b{c.r_b, scene.materials[static_cast<std::size_t>(c.b)].density};
-  const double m_b = b.mass();
-  return {m_a / (m_a + m_b) * m_b, r, 1 / inertia_a + 1 / b.inertia()};
+  const double m_b = c.weight_b * b.mass();
+  return {m_a / (m_a + m_b) * m_b, r, 1 / inertia_a + 1 / (c.weight_b * b.inertia())};
 }
 
 ContactDynamics linear_dynamics(const Scene& scene, const PairCoefficients& k, const Pair& p) {

@@ -14,6 +14,7 @@ struct ContactCase {
   int a = 0, b = 0;         ///< materials
   double r_a = 0, r_b = 0;  ///< [m]
   bool fixed_b = false;
+  double weight_a = 1, weight_b = 1;  ///< mass that answers a force / that of a sphere (GrainKind)
   bool wall() const noexcept { return r_b == k_never; }
 };
 

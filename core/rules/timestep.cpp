@@ -39,14 +39,14 @@ void add_pairs(const GrainKind& a, const GrainKind& b, std::vector<ContactCase>&
     if (a.fixed || a.count < 2) return;
     for (const auto& [r, s] :
          {std::pair{a.smallest[0], a.smallest[1]}, {a.smallest[0], a.largest[0]}, {a.largest[0], a.largest[1]}})
-      out.push_back({a.material, a.material, r, s});
+      out.push_back({a.material, a.material, r, s, false, a.weight, a.weight});
     return;
   }
   if (a.fixed && b.fixed) return;
   const GrainKind &free = a.fixed ? b : a, &other = a.fixed ? a : b;
   for (const double r : {free.smallest[0], free.largest[0]})
     for (const double s : {other.smallest[0], other.largest[0]})
-      out.push_back({free.material, other.material, r, s, other.fixed});
+      out.push_back({free.material, other.material, r, s, other.fixed, free.weight, other.weight});
 }
 
 std::vector<ContactCase> contacts_of(const Scene& scene, const Population& grains) {
@@ -57,7 +57,7 @@ std::vector<ContactCase> contacts_of(const Scene& scene, const Population& grain
     for (std::size_t b = a; b < grains.kinds.size(); ++b) add_pairs(k, grains.kinds[b], all);
     for (std::size_t m = 0; m < walls.size() && !k.fixed; ++m)
       for (const double r : {k.smallest[0], k.largest[0]})
-        if (walls[m] != 0) all.push_back({k.material, static_cast<int>(m), r, k_never});
+        if (walls[m] != 0) all.push_back({k.material, static_cast<int>(m), r, k_never, false, k.weight});
   }
   return all;
 }

@@ -124,6 +124,8 @@ struct Key {
   }
   /// Lines of [contact] without which an example of this key is no valid scene.
   Key with(std::string_view lines) && { return set(row.with, lines); }
+  /// A line of its own section without which it is none.
+  Key beside(std::string_view line) && { return set(row.beside, line); }
 
  private:
   template <class T>

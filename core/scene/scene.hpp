@@ -122,6 +122,24 @@ struct Region {
   std::shared_ptr<const ClosedSurface> surface{};  ///< mesh: set when the file is read (load_region)
 };
 
+struct ClumpShape;
+
+/// A body that is no sphere. clump: spheres that move as one; where they overlap, its matter counts once. Lengths at
+/// scale 1; a source says how large its bodies are.
+struct ShapeSpec {
+  TALUS_MEMBER_WORDS(Kind, clump)
+  Kind kind = Kind::clump;
+  std::string name;
+  std::vector<double> spheres;              ///< x, y, z, radius of each [m]; empty: file
+  std::string file;                         ///< table of particles
+  double density = 0;                       ///< [kg/m3]; 0: that of the material
+  double mass = 0;                          ///< [kg]; 0: density
+  Vec3 centre;                              ///< of mass [m], where it is given
+  bool off_centre = false;                  ///< it is
+  std::vector<double> inertia;              ///< about it: xx, yy, zz, xy, xz, yz [kg m2]; empty: of the union
+  std::shared_ptr<const ClumpShape> clump;  ///< set by load_shapes()
+};
+
 /// Source of particles. file: at step 0. lattice/random: once at time `start`. stream: batches every `interval` from
 /// start to end, number or mass rate given. Batches are non-overlapping with everything present.
 struct Source {
@@ -149,6 +167,12 @@ struct Source {
   /// Where grains go with respect to closed walls (boxes and watertight meshes).
   TALUS_MEMBER_WORDS(ClosedWalls, both, outside, inside)
   ClosedWalls closed_walls = ClosedWalls::both;
+  int shape = -1;  ///< index into shapes; -1: spheres
+  /// How its bodies lie. random: all turns alike; fixed: the z axis of the shape along orientation_axis; axis: the
+  /// same, turned about it at random.
+  TALUS_MEMBER_WORDS(Orientation, random, fixed, axis)
+  Orientation orientation = Orientation::random;
+  Vec3 orientation_axis{0, 0, 1};  ///< unit
 };
 
 TALUS_WORDS(WallShape, plane, cylinder, cone, box, mesh)
@@ -275,6 +299,7 @@ struct Scene {
   std::vector<Material> materials;
   ContactLaw contact;
   std::vector<PairCoefficients> pairs;  ///< n*n, symmetric
+  std::vector<ShapeSpec> shapes;
   std::vector<Source> sources;
   std::vector<WallSpec> walls;
   std::vector<GroupSpec> groups;

@@ -47,6 +47,7 @@ std::string section_text(std::string_view section, const SceneKey& key) {
     const bool asked = key.section == section && key.name == k.name;
     if (asked) {
       s += fmt::format("{} = {}\n", k.name, k.example);
+      if (!k.beside.empty()) s += fmt::format("{}\n", k.beside);
     } else if (stands_in(key, k)) {
       const KeyCondition only = condition_of(key.section == section ? key.only : "");
       s += only.key == k.name ? fmt::format("{} = \"{}\"\n", k.name, only.values.front())

@@ -67,6 +67,7 @@ struct SceneKey {
   std::string_view usual_for{};  ///< examples of other keys give this one where the key that decides has this value ...
   std::string_view instead{};    ///< ... unless they are about this key, which takes its place
   std::string_view with{};       ///< lines of [contact] that make an example of the key complete
+  std::string_view beside{};     ///< a line of its own section that does
 
   bool required() const noexcept { return fallback == "required"; }
   bool has_default() const noexcept { return !required() && !fallback.starts_with('('); }

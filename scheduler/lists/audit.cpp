@@ -155,6 +155,7 @@ std::int64_t audit_lists(const Rules& rules, const Rows& rows, const Contacts& c
   std::int64_t missed = 0;
   Strips(rules, rows, reach).for_pairs([&](Row i, Row j) {
     if (rules.has.fixed && rows.fixed[i] != 0 && rows.fixed[j] != 0) return;
+    if (rows.body_of(i) >= 0 && rows.body_of(i) == rows.body_of(j)) return;
     if (touch(rules, rows, i, j, reach[static_cast<std::size_t>(i)] + reach[static_cast<std::size_t>(j)]) &&
         !std::binary_search(listed.begin(), listed.end(), Pair(std::min(i, j), std::max(i, j))))
       ++missed;

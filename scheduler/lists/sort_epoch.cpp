@@ -46,7 +46,7 @@ void sort_rows(const Rules& rules, const Rows& rows, const Contacts& contacts, L
     for (std::int64_t i = blocks.from(b); i < blocks.to(b); ++i) {
       std::uint64_t k = 0;
       if (rows.is_alive(static_cast<Row>(i))) {
-        const double* x = rows.p.data() + 4 * i;
+        const double* x = rows.grain_at(static_cast<Row>(i));  // one key for all rows of a body: they stay together
         for (int a = 0; a < 3; ++a)
           k |= spread21(static_cast<std::uint64_t>(cell_index(fmin2(x[a], rules.size[a]) * inverse, 1 << 21))) << a;
         all |= k;
@@ -242,13 +242,15 @@ void sort_epoch(const Rules& rules, Rows& rows, Contacts& contacts, Lists& lists
   sort_rows(rules, rows, contacts, lists, team);
   permute_rows(rows, contacts, lists, team);
   set_particle_capacity(rows, rows.alive);  // before x0, p2 and v2 take the contacts: it writes the padding rows
+  sort_bodies(rows);
   const ChunkMap old_chunk_of = std::exchange(contacts.chunk_of, equal_cost_chunks(rows, contacts, lists));
+  keep_bodies_whole(contacts, rows);
   const int chunks = contacts.chunk_of.count(rows.n);
   need_chunks(contacts, chunks);
   hand_over_lists(rules, rows, contacts, lists, team, chunks);
   if (rules.has.walls) take_wall_states(rules, rows, contacts, lists, team, chunks, old_chunk_of);
   rows.velocity_at_old_step = false;
-  make_chunks(contacts, rows.n);
+  make_chunks(contacts, rows);
   limit_lanes(rules, contacts, team);
   ++counters.sort_epochs;
 }

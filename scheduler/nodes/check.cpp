@@ -41,12 +41,12 @@ void report_chunk(const Rules& rules, const Rows& rows, const Contacts& contacts
 /// A row that has left has done so through open sides.
 void check_exit(const Rules& rules, const Rows& rows, Row i) {
   static const char* const axis = "xyz";
-  const double* x = rows.p.data() + 4L * i;
+  const Vec3 x = centre_of(rules, rows, i) - rules.scene.domain.lower;
   const Domain& domain = rules.scene.domain;
   for (int a = 0; a < 3; ++a) {
     if (domain.periodic(a) || (x[a] >= 0 && x[a] < rules.size[a])) continue;
     if (domain.boundary[static_cast<std::size_t>(a)][x[a] < 0 ? 0 : 1] == Boundary::open) continue;
-    const Vec3 at = position_of(rules, rows, i);
+    const Vec3 at = centre_of(rules, rows, i);
     throw StepFailure({rows.id[i]},
                       "particle " + std::to_string(rows.id[i]) + " left the domain through the closed " + axis[a] +
                           " side at (" + std::to_string(at.x) + ", " + std::to_string(at.y) + ", " +

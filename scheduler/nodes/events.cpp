@@ -27,7 +27,7 @@ bool concerns(const Rules& rules, const Rows& rows, const Event& e, Row i) {
   if (rows.group[i] == e.group) return true;
   if (g.fixed_in_file && rows.fixed[i] != 0) return true;
   if (g.ids && rows.id[i] >= (*g.ids)[0] && rows.id[i] <= (*g.ids)[1]) return true;
-  return g.region && inside(rules.scene.domain, *g.region, position_of(rules, rows, i));
+  return g.region && inside(rules.scene.domain, *g.region, centre_of(rules, rows, i));
 }
 
 void set_motion(const Rules& rules, Rows& rows, Row i, Vec3 velocity, Vec3 spin) {
@@ -38,8 +38,30 @@ void set_motion(const Rules& rules, Rows& rows, Row i, Vec3 velocity, Vec3 spin)
     for (int k = 0; k < 3; ++k) v[4 + k] = r * spin[k];
 }
 
+/// The same for the body that row i leads.
+void act_on_body(const Rules& rules, Rows& rows, const Event& e, Row i) {
+  Bodies& bodies = rows.bodies;
+  const std::int32_t b = rows.body_of(i);
+  double* v = bodies.v.data() + 4L * b;
+  const bool moves = e.action == Event::Action::drive || e.action == Event::Action::set_velocity;
+  Vec3 spin = angular_velocity(rules, bodies, b);
+  if (e.action == Event::Action::freeze || moves) {
+    const Vec3 velocity = moves ? e.vector : Vec3{};
+    for (int k = 0; k < 3; ++k) v[k] = velocity[k];
+    spin = moves ? e.spin : Vec3{};
+  }
+  if (e.action == Event::Action::freeze || e.action == Event::Action::drive) v[3] = 0;
+  if (e.action == Event::Action::release) v[3] = 1 / bodies.mass(b);
+  set_angular_velocity(rules, bodies, b, spin);
+  place_rows(rules, rows, b);
+  if (!rules.has.fixed) return;
+  const auto count = static_cast<Row>(shape_of(rules, bodies, b).spheres.size());
+  for (Row k = i; k < i + count; ++k) rows.fixed[k] = v[3] == 0 ? 1 : 0;
+}
+
 /// Everything but removal and gravity.
 void act_on_row(const Rules& rules, Rows& rows, const Event& e, Row i) {
+  if (rows.body_of(i) >= 0) return act_on_body(rules, rows, e, i);
   double& inverse_mass = rows.v[static_cast<std::size_t>(rows.stride) * static_cast<std::size_t>(i + 1) - 1];
   switch (e.action) {
     case Event::Action::freeze:
@@ -90,7 +112,7 @@ void apply_events(const Rules& rules, Clock& clock, Rows& rows, Lists& lists, Le
       continue;
     }
     for (Row i = 0; i < rows.n; ++i) {
-      if (!rows.is_alive(i) || !concerns(rules, rows, e, i)) continue;
+      if (!rows.is_alive(i) || !rows.leads(i) || !concerns(rules, rows, e, i)) continue;
       if (e.action == Event::Action::remove) {
         remove_row(rules, clock, rows, lists, ledger, counters, parts, i);
         continue;
@@ -109,9 +131,9 @@ bool insert_batch(const Rules& rules, const Clock& clock, const WallSet& walls, 
   const Row first = rows.n;
   append_particles(rules, clock, rows, a, rules.has.energies ? &ledger.inserted : nullptr);
   parts.appended(rows, first, a);
-  counters.inserted += static_cast<std::int64_t>(a.size());
+  counters.inserted += a.grains();
   rows.velocity_at_old_step = false;
-  make_chunks(contacts, rows.n);  // rows of existing chunks stay; their lists are carried by the rebuild that follows
+  make_chunks(contacts, rows);  // rows of existing chunks stay; their lists are carried by the rebuild that follows
   return true;
 }
 
@@ -120,10 +142,18 @@ void remove_row(const Rules& rules, const Clock& clock, Rows& rows, Lists& lists
   if (!rows.is_alive(i)) return;
   ++counters.removed;
   counters.removed_mass += mass_of(rules, rows, i);
-  --rows.alive;
   if (rules.has.energies) ledger.inserted -= row_energy(rules, rows, clock, i);
-  parts.removed(rows, i);
-  mark_gone(rows, lists, i);
+  Row end = i + 1;
+  if (const std::int32_t b = rows.body_of(i); b >= 0) {
+    end = i + static_cast<Row>(shape_of(rules, rows.bodies, b).spheres.size());
+    --rows.bodies_alive;
+    rows.of_bodies -= end - i;
+  }
+  for (; i < end; ++i) {
+    --rows.alive;
+    parts.removed(rows, i);
+    mark_gone(rows, lists, i);
+  }
 }
 
 }  // namespace talus

@@ -3,6 +3,7 @@
 
 #include "scheduler/lists/skin_check.hpp"
 #include "scheduler/nodes/add_ons.hpp"
+#include "scheduler/nodes/body_motion.hpp"
 #include "scheduler/nodes/monitor.hpp"
 #include "scheduler/state/faults.hpp"
 
@@ -55,6 +56,28 @@ IntegrateArgs arguments(const Rules& rules, const Clock& clock, Rows& rows, cons
   return a;
 }
 
+/// Only rows that are no body's go through the kernel, run by run.
+void integrate_runs(const Rules& rules, const Rows& rows, IntegrateArgs& a, Chunk& c) {
+  std::int32_t expired = 0, unstable = -1;
+  c.result.out_count = 0;
+  for (Row i = c.lo, to = c.lo; i < c.hi; i = to) {
+    for (to = i; to < c.hi && rows.body[static_cast<std::size_t>(to)] < 0;) ++to;
+    if (to == i) {
+      ++to;
+      continue;
+    }
+    a.lo = i;
+    a.hi = to;
+    a.out = c.result.out.data() + c.result.out_count;
+    rules.kernels->integrate[rules.has.rotation ? 1 : 0](a);
+    c.result.out_count += a.out_count;
+    expired |= a.expired;
+    if (a.unstable_row >= 0) unstable = a.unstable_row;
+  }
+  c.result.expired = expired;
+  c.result.unstable_row = unstable;
+}
+
 }  // namespace
 
 void integrate_chunk(const Rules& rules, const Clock& clock, Rows& rows, const Lists& lists, Column<double>& energy,
@@ -63,6 +86,7 @@ void integrate_chunk(const Rules& rules, const Clock& clock, Rows& rows, const L
   grow(c.result.out, static_cast<std::size_t>(c.hi - c.lo));
   if (clock.step < rules.scene.relax.steps) {
     relax_chunk(rules, clock, rows, lists, c);
+    if (rules.has.bodies) move_bodies(rules, clock, rows, lists, energy, c);
     if (lists.skin.own_check()) travel_chunk(rules, rows, lists, c);
     return;
   }
@@ -78,11 +102,16 @@ void integrate_chunk(const Rules& rules, const Clock& clock, Rows& rows, const L
   a.unstable = rules.bounds.unstable;
   a.out = c.result.out.data();
   Faults(rules.options).spoil_force(clock.step, c.index, s.f.data());
-  rules.kernels->integrate[rules.has.rotation ? 1 : 0](a);
+  if (rules.has.bodies) {
+    integrate_runs(rules, rows, a, c);
+    move_bodies(rules, clock, rows, lists, energy, c);
+  } else {
+    rules.kernels->integrate[rules.has.rotation ? 1 : 0](a);
+    c.result.out_count = a.out_count;
+    c.result.expired = a.expired;
+    c.result.unstable_row = a.unstable_row;
+  }
   s.clean = true;  // it leaves zeros behind: a pass of its own over the rows would cost 1 ns per particle
-  c.result.out_count = a.out_count;
-  c.result.expired = a.expired;
-  c.result.unstable_row = a.unstable_row;
   if (lists.skin.own_check()) travel_chunk(rules, rows, lists, c);
   if (clock.sampled) observe_chunk(rules, clock, rows, c);
 }

@@ -10,7 +10,6 @@
 #include "core/base/text.hpp"
 #include "core/grains/source_notes.hpp"
 #include "core/meshes/mesh_file.hpp"
-#include "core/meshes/mesh_file.hpp"
 #include "scheduler/state/step_failure.hpp"
 #include "scheduler/team/parallel.hpp"
 
@@ -144,6 +143,8 @@ void observe_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Chu
     offer(Watch::travel, speed * dt / rows.p[4L * i + 3], m.warn_travel, rows.id[i], -1);
     offer(Watch::stiffness, f[3] * v[rules.stride - 1] * (dt * dt), rules.bounds.warn_row, rows.id[i], -1);
   }
+  if (rows.bodies.in && c.result.body_row > 0)
+    offer(Watch::stiffness, c.result.body_row * (dt * dt), rules.bounds.warn_row, c.result.body_row_of, -1);
   for (std::int64_t k = 0; k < c.contacts.end[2]; ++k) {
     const Row i = s.ci[static_cast<std::size_t>(k)], j = s.cj[static_cast<std::size_t>(k)];
     if (i > j) continue;  // a pair across chunks is seen by both owners

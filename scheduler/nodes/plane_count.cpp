@@ -10,10 +10,21 @@ namespace talus {
 void plane_chunk(const Rows& rows, const PlaneCounts& counts, Chunk& c) {
   c.crossings.clear();
   const std::vector<CountedPlane>& planes = counts.planes();
-  for (std::size_t q = 0; q < planes.size(); ++q)
-    planes[q].find(rows.p.data(), rows.p2.data(), c.lo, c.hi, [&c, q](Row row, int net) {
-      c.crossings.push_back({row, static_cast<std::int32_t>(q), net});
-    });
+  for (std::size_t q = 0; q < planes.size(); ++q) {
+    const auto found = [&c, q](Row row, int net) { c.crossings.push_back({row, static_cast<std::int32_t>(q), net}); };
+    if (!rows.bodies.in) {
+      planes[q].find(rows.p.data(), rows.p2.data(), c.lo, c.hi, found);
+      continue;
+    }
+    // spheres by themselves, bodies by their centre of mass
+    for (Row i = c.lo; i < c.hi; ++i) {
+      const std::int32_t b = rows.body_of(i);
+      if (b < 0)
+        planes[q].find(rows.p.data(), rows.p2.data(), i, i + 1, found);
+      else if (rows.leads(i) && rows.is_alive(i))
+        planes[q].find(rows.bodies.x.data(), rows.bodies.x2.data(), b, b + 1, [&](Row, int net) { found(i, net); });
+    }
+  }
 }
 
 void add_crossings(const Rules& rules, const Rows& rows, const Contacts& contacts, PlaneCounts& planes) {

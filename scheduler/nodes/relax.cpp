@@ -24,7 +24,7 @@ void relax_chunk(const Rules& rules, const Clock& clock, Rows& rows, const Lists
     std::copy(v, v + rules.stride, v2);
     std::copy(p, p + 4, p2);
     const double invm = v[rules.stride - 1];
-    if (!rows.is_alive(i)) continue;
+    if (!rows.is_alive(i) || rows.body_of(i) >= 0) continue;  // bodies: body_motion.cpp
     if (invm > 0) {
       const double* force = s.f.data() + static_cast<long>(rules.stride) * (i - c.lo);
       const Vec3 f{force[0], force[1], force[2]};

@@ -108,7 +108,7 @@ struct RunOutputs::Impl {
   WallInterval by_clock;  ///< checkpoints besides those by steps
   bool moving_walls;
   std::optional<FrameStream> particles, walls, contacts;
-  std::optional<PvdCollection> grid;
+  std::optional<PvdCollection> grid, bodies;
   std::optional<SeriesWriter> series;
   bool row_needs_frame = false;
   std::int64_t start = 0;  ///< step that the run begins with
@@ -146,6 +146,10 @@ struct RunOutputs::Impl {
     if (particles) particles->write(frame);
     if (contacts) contacts->write(frame);
     if (walls && (moving_walls || walls->empty())) walls->write(frame);
+    if (bodies && bodies->last_step() < frame.step) {
+      write_vtp(bodies->path(frame.step), body_poly(frame), frame.time);
+      bodies->add(frame.step, frame.time);
+    }
     if (grid && grid->last_step() < frame.step) {
       write_vti(grid->path(frame.step), average_grid(frame, scene, scene.output.grid.cells), frame.time);
       grid->add(frame.step, frame.time);
@@ -201,6 +205,11 @@ RunOutputs::RunOutputs(const RunFolder& folder, const Simulation& simulation, co
     if (!walls.empty()) m.walls.emplace(folder, scene, "walls", Content::walls, columns, wall_poly, resume_step, warn);
     if (scene.output.contacts)
       m.contacts.emplace(folder, scene, "contacts", Content::contacts, columns, contact_poly, resume_step, warn);
+    if (std::any_of(scene.sources.begin(), scene.sources.end(), [](const Source& s) { return s.shape >= 0; }))
+      m.bodies = continued(folder, folder.path("bodies.pvd"), resume_step, warn, [&](bool resume) {
+        return resume ? PvdCollection::resume(folder.dir(), "bodies", resume_step)
+                      : PvdCollection(folder.dir(), "bodies");
+      });
     if (scene.output.grid.on) {
       m.grid = continued(folder, folder.path("grid.pvd"), resume_step, warn, [&](bool resume) {
         return resume ? PvdCollection::resume(folder.dir(), "grid", resume_step, "vti")
@@ -252,6 +261,7 @@ void RunOutputs::check() const {
   for (const auto* stream : {&m.particles, &m.walls, &m.contacts})
     if (*stream) (*stream)->check();
   if (m.grid) m.grid->check();
+  if (m.bodies) m.bodies->check();
   if (m.series) m.series->check();
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(m.folder.scene(), ignored))

@@ -13,7 +13,23 @@ void need_chunks(Contacts& contacts, int count) {
   }
 }
 
-void make_chunks(Contacts& contacts, Row n) {
+namespace {
+
+/// Borders lie between bodies.
+Row border_near(const Rows& rows, Row i) {
+  const std::int32_t b = rows.body[static_cast<std::size_t>(i)];
+  return b < 0 ? i : rows.bodies.first[static_cast<std::size_t>(b)];
+}
+
+}  // namespace
+
+void keep_bodies_whole(Contacts& contacts, const Rows& rows) {
+  if (rows.bodies.in) contacts.chunk_of = contacts.chunk_of.moved(rows.n, [&](Row i) { return border_near(rows, i); });
+}
+
+void make_chunks(Contacts& contacts, const Rows& rows) {
+  const Row n = rows.n;
+  keep_bodies_whole(contacts, rows);
   const int count = contacts.chunk_of.count(n);
   need_chunks(contacts, count);
   contacts.chunks.resize(static_cast<std::size_t>(count));

@@ -106,6 +106,8 @@ struct ChunkResults {
   std::int64_t deep_slot = -1;
   Row deep_rows[2] = {0, 0};    ///< of deep_slot
   std::int64_t deep_wall = -1;  ///< wall contact deeper than allowed, or -1
+  double body_row = 0;          ///< largest sum of contact stiffnesses over what answers them, of a body [1/s2]
+  ParticleId body_row_of = -1;  ///< number of that body
   ChunkExtremes extremes;       ///< of a sampled step
 };
 
@@ -138,8 +140,9 @@ struct Contacts {
 
 /// Rows per chunk: the scene's choice, else by their number and the threads (chunk_size.cpp).
 int choose_chunk(const Rules& rules, const Rows& rows);
-void need_chunks(Contacts& contacts, int count);  ///< adds empty ones where there are fewer
-void make_chunks(Contacts& contacts, Row n);      ///< cuts n rows into chunks; keeps existing ones in place
+void need_chunks(Contacts& contacts, int count);               ///< adds empty ones where there are fewer
+void keep_bodies_whole(Contacts& contacts, const Rows& rows);  ///< borders of chunks lie between bodies
+void make_chunks(Contacts& contacts, const Rows& rows);  ///< cuts the rows into chunks; keeps existing ones in place
 /// What a step of each chunk will cost by its present list and contacts; only ratios count.
 std::vector<double> chunk_costs(const Contacts& contacts);
 /// Contacts whose lower row is the chunk's, ascending (a, b): over all chunks each contact once, in ascending order.

@@ -43,6 +43,23 @@ std::uint64_t hash_of_columns(const Rows& rows) {
   return sum;
 }
 
+/// Bodies, under the number of their first sphere.
+std::uint64_t hash_of_bodies(const Rows& rows) {
+  std::uint64_t sum = 0;
+  for (const Columns::Entry& e : rows.bodies.columns.all()) {
+    if (!e.info.in) continue;
+    std::vector<unsigned char> t(sizeof(ParticleId) + e.bytes);
+    for (std::int32_t b = 0; b < rows.bodies.n; ++b) {
+      const Row first = rows.bodies.first[static_cast<std::size_t>(b)];
+      if (!rows.is_alive(first)) continue;
+      std::memcpy(t.data(), &rows.id[first], sizeof(ParticleId));
+      std::memcpy(t.data() + sizeof(ParticleId), e.data() + e.bytes * static_cast<std::size_t>(b), e.bytes);
+      sum += XXH3_64bits_withSeed(t.data(), t.size(), e.info.hash_seed);
+    }
+  }
+  return sum;
+}
+
 /// History of one contact; first and second: ids of the partners, lower first, or id and -1 - wall. `flip`: it is
 /// oriented from the higher id to the lower one.
 std::uint64_t hash_of_history(const Rules& rules, std::int64_t first, std::int64_t second, const double* law,
@@ -86,7 +103,7 @@ std::uint64_t hash_of_contacts(const Rules& rules, const Rows& rows, const Conta
 
 std::uint64_t state_hash(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts,
                          const Insertion& insertion, bool failed) {
-  std::uint64_t sum = hash_of_rows(rows) + hash_of_columns(rows);
+  std::uint64_t sum = hash_of_rows(rows) + hash_of_columns(rows) + hash_of_bodies(rows);
   // a neck beyond touch is state, with or without history
   if (rules.has.history_columns > 0 || rules.has.adhesion) sum += hash_of_contacts(rules, rows, contacts, failed);
   sum += XXH3_64bits_withSeed(&clock.step, sizeof clock.step, 1);

@@ -21,6 +21,13 @@ Ledger::Ledger(const Rules& rules, Columns& columns) {
 
 namespace {
 
+/// Angular velocity of a body at n-1/2, as it lies at n, which the second buffers hold now [rad/s].
+Vec3 old_spin(const Rules& rules, const Rows& rows, std::int32_t b) {
+  const BodyState s = state_of(rows.bodies, b, true);
+  if (rows.bodies.v[4L * b + 3] == 0) return s.spin;
+  return spin_of(shape_of(rules, rows.bodies, b), 1 / inertia_scale(rows.bodies, b), shapes::rotation(s.turn), s.spin);
+}
+
 /// Terms of one block of rows: damping, friction, background, drive, gravity along periodic axes, in places 1 to 5.
 StepWork work_of_rows(const Rules& rules, const Rows& rows, const Ledger& ledger, Row from, Row to, Vec3 pull) {
   StepWork part{};
@@ -32,20 +39,24 @@ StepWork work_of_rows(const Rules& rules, const Rows& rows, const Ledger& ledger
     const bool free =
         rules.scene.local_damping != 0 && rows.v[static_cast<long>(rules.stride) * i + rules.stride - 1] > 0;
     part[free ? 3 : 4] += e[3];
+    if (!rows.leads(i)) continue;
     if (pulled && rows.is_alive(i)) {
       // v2 holds v(n-1/2) now: what gravity has done on the way from n-1 to n
-      const double* u = rows.v2.data() + static_cast<long>(rules.stride) * i;
-      if (u[rules.stride - 1] > 0)
-        part[5] += rules.scene.dt * mass_of(rules, rows, i) * dot(pull, Vec3{u[0], u[1], u[2]});
+      const auto [u, inverse_mass] = velocity_of(rows, i, true);
+      if (inverse_mass > 0) part[5] += rules.scene.dt * mass_of(rules, rows, i) * dot(pull, Vec3{u[0], u[1], u[2]});
     }
     if (rules.scene.viscous_damping != 0 && rows.is_alive(i)) {
-      const double *v = rows.v.data() + static_cast<long>(rules.stride) * i,
-                   *u = rows.v2.data() + static_cast<long>(rules.stride) * i;
+      const auto [v, inverse_mass] = velocity_of(rows, i);
+      const double* u = velocity_of(rows, i, true).v;
       double q = 0, rot = 0;
       for (int k = 0; k < 3; ++k) q += u[k] * (0.5 * (u[k] + v[k]));
-      if (rules.has.rotation)
+      if (const std::int32_t body = rows.body_of(i); body >= 0)  // w_old (L_old + L) / 2, over 0.4 m as below
+        rot = dot(old_spin(rules, rows, body), 0.5 * (momentum_in_space(rules, rows.bodies, body, true) +
+                                                      momentum_in_space(rules, rows.bodies, body))) /
+              (0.4 * rows.bodies.mass(body));
+      else if (rules.has.rotation)
         for (int k = 4; k < 7; ++k) rot += u[k] * (0.5 * (u[k] + v[k]));
-      if (v[rules.stride - 1] > 0)
+      if (inverse_mass > 0)
         part[3] += rules.scene.viscous_damping * rules.scene.dt * mass_of(rules, rows, i) * (q + 0.4 * rot);
     }
   }
@@ -53,7 +64,7 @@ StepWork work_of_rows(const Rules& rules, const Rows& rows, const Ledger& ledger
 }
 
 /// Sum over rows in fixed blocks of 1024 (I3).
-double sum_rows(const Rows& rows, const std::function<double(Row)>& value) {
+double sum_all(const Rows& rows, const std::function<double(Row)>& value) {
   double total = 0;
   for (Row b = 0; b < rows.n; b += k_energy_block) {
     double part = 0;
@@ -62,6 +73,21 @@ double sum_rows(const Rows& rows, const std::function<double(Row)>& value) {
     total = total + part;
   }
   return total;
+}
+
+/// The same over the rows that lead a grain.
+double sum_rows(const Rows& rows, const std::function<double(Row)>& value) {
+  return sum_all(rows, [&](Row i) { return rows.leads(i) ? value(i) : 0.0; });
+}
+
+/// Energy of rotation of a body at n, with the mean of L(n-1/2) and L(n+1/2) as it lies at n [J].
+double mean_rotation(const Rules& rules, const Rows& rows, std::int32_t b, bool start, bool given) {
+  const Bodies& bodies = rows.bodies;
+  if (start) return rotation_energy(rules, bodies, b);
+  const BodyState then = state_of(bodies, b, true);
+  const Vec3 before = momentum_in_space(rules, bodies, b, true),
+             after = given ? before : momentum_in_space(rules, bodies, b);
+  return rotation_energy(rules, bodies, b, shapes::to_body(shapes::rotation(then.turn), 0.5 * (before + after)));
 }
 
 }  // namespace
@@ -101,7 +127,7 @@ void add_step_work(const Rules& rules, const Clock& clock, const Rows& rows, con
 
 double kinetic_energy_of(const Rules& rules, const Rows& rows) {
   return sum_rows(rows, [&](Row i) {
-    const double* v = rows.v.data() + static_cast<long>(rules.stride) * i;
+    const double* v = velocity_of(rows, i).v;
     return 0.5 * mass_of(rules, rows, i) * ((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
   });
 }
@@ -117,26 +143,30 @@ Energies energies_of(const Rules& rules, const Clock& clock, const Rows& rows, c
   // start those given; before the first step what is given
   const bool given =
       clock.step == 1 && rules.scene.integrator == Integrator::velocity_verlet && rules.scene.relax.steps == 0;
-  const auto& old = start ? rows.v : rows.v2;
   const auto mass = [&](Row i) {
     return rows.resized && !start ? old_mass_of(rules, rows, i) : mass_of(rules, rows, i);
   };
   const auto mean2 = [&](Row i, int from) {
-    const double *u = old.data() + static_cast<long>(rules.stride) * i,
-                 *v = given ? u : rows.v.data() + static_cast<long>(rules.stride) * i;
+    const double *u = velocity_of(rows, i, !start).v, *v = given ? u : velocity_of(rows, i).v;
     double s = 0;
     for (int k = from; k < from + 3; ++k) s += 0.25 * (u[k] + v[k]) * (u[k] + v[k]);
     return s;
   };
   e.kinetic_translation = sum_rows(rows, [&](Row i) { return 0.5 * mass(i) * mean2(i, 0); });
-  if (rules.has.rotation) e.kinetic_rotation = sum_rows(rows, [&](Row i) { return 0.2 * mass(i) * mean2(i, 4); });
+  if (rules.has.rotation || rules.has.bodies)
+    e.kinetic_rotation = sum_rows(rows, [&](Row i) {
+      if (const std::int32_t b = rows.body_of(i); b >= 0) return mean_rotation(rules, rows, b, start, given);
+      return rules.has.rotation ? 0.2 * mass(i) * mean2(i, 4) : 0.0;
+    });
   const Vec3 weight = gravity_along(rules, clock, false);
   e.potential = -ledger.work.gravity - sum_rows(rows, [&](Row i) {
-    const double* x = (start ? rows.p : rows.p2).data() + 4L * i;
-    const bool free = rows.v[static_cast<long>(rules.stride) * i + rules.stride - 1] > 0;
+    const std::int32_t b = rows.body_of(i);
+    const double* x =
+        b < 0 ? (start ? rows.p : rows.p2).data() + 4L * i : (start ? rows.bodies.x : rows.bodies.x2).data() + 4L * b;
+    const bool free = velocity_of(rows, i).inverse_mass > 0;
     return free ? mass(i) * dot(weight, Vec3{x[0], x[1], x[2]} + rules.scene.domain.lower) : 0.0;
   });
-  e.elastic = sum_rows(rows, [&](Row i) { return springs[4L * i]; });
+  e.elastic = sum_all(rows, [&](Row i) { return springs[4L * i]; });
   e.dissipated_damping = ledger.work.damping;
   e.dissipated_friction = ledger.work.friction;
   e.dissipated_background = ledger.work.background;

@@ -27,10 +27,11 @@ bool all_finite(const double* x, int n) {
   return sum == 0;
 }
 
-const char* fault_of_position(const Rules& rules, bool resized, const double* x) {
-  for (int k = 0; k < 3; ++k)
+const char* fault_of_position(const Rules& rules, const Rows& rows, Row i, const double* x) {
+  const bool of_body = rows.body_of(i) >= 0;
+  for (int k = 0; k < 3 && !of_body; ++k)  // a sphere of a body may stand out of an open side
     if (!(x[k] >= 0 && x[k] <= rules.size[k])) return "the particle is outside the domain";
-  if (resized) return x[3] > 0 ? nullptr : "the particle has no size";
+  if (rows.resized) return x[3] > 0 ? nullptr : "the particle has no size";
   if (!(x[3] >= rules.r_min * (1 - k_rounding) && x[3] <= rules.r_max * (1 + k_rounding)))
     return "no source of the scene has such a radius";
   return nullptr;
@@ -50,16 +51,52 @@ void check_row(const Rules& rules, const Rows& rows, Row i, const std::string& p
       refuse("position", row, "the particle is neither there nor removed", path);
     return;
   }
-  if (const char* what = fault_of_position(rules, rows.resized, x)) refuse("position", row, what, path);
+  if (const char* what = fault_of_position(rules, rows, i, x)) refuse("position", row, what, path);
   if (rows.id[i] < 0 || rows.id[i] >= rows.next_id) refuse("id", row, "the number was never given to a particle", path);
-  const double inverse = v[rules.stride - 1], product = inverse * mass_of(rules, rows, i);
+  const std::int32_t body = rows.body_of(i);
+  const double mass = body < 0 ? mass_of(rules, rows, i) : rows.bodies.mass(body);
+  const double inverse = v[rules.stride - 1], product = inverse * mass;
   if (inverse != 0 && !rows.resized && !(std::fabs(product - 1) < k_rounding))
     refuse("velocity", row, "the mass does not belong to the radius and the density", path);
+}
+
+void check_body(const Rules& rules, const Bodies& bodies, std::int32_t b, const std::string& path) {
+  const auto at = static_cast<std::size_t>(b);
+  if (bodies.shape[at] < 0 || bodies.shape[at] >= static_cast<std::int32_t>(rules.scene.shapes.size()))
+    refuse("body_shape", at, "no such shape", path);
+  if (bodies.first[at] < 0) refuse("body_shape", at, "no particle belongs to the body", path);
+  const double* q = bodies.turn.data() + 4L * b;
+  if (!all_finite(q, 4) || !all_finite(bodies.x.data() + 4L * b, 4) || !all_finite(bodies.v.data() + 4L * b, 4) ||
+      !all_finite(bodies.spin.data() + 4L * b, 4) || !all_finite(bodies.size.data() + 2L * b, 2))
+    refuse("body_position", at, "a number of the body is not finite", path);
+  if (!(std::fabs(((q[0] * q[0] + q[1] * q[1]) + q[2] * q[2]) + q[3] * q[3] - 1) < k_rounding))
+    refuse("body_turn", at, "it is no rotation", path);
+  if (!(bodies.scale(b) > 0) || !(bodies.mass(b) > 0)) refuse("body_size", at, "it is not positive", path);
+  const double inverse = bodies.v[4L * b + 3];
+  if (inverse != 0 && !(std::fabs(inverse * bodies.mass(b) - 1) < k_rounding))
+    refuse("body_velocity", at, "the mass is not that of the body", path);
+}
+
+/// Before anything is asked of bodies: they lie whole, each as many rows as its shape has spheres.
+void check_bodies(const Rules& rules, const Rows& rows, const std::string& path) {
+  const Bodies& bodies = rows.bodies;
+  for (std::int32_t b = 0; b < bodies.n; ++b) check_body(rules, bodies, b, path);
+  for (Row i = 0; i < rows.n;) {
+    const std::int32_t b = rows.body[static_cast<std::size_t>(i)];
+    const Row first = i++;
+    if (b < -1 || b >= bodies.n) refuse("body", static_cast<std::size_t>(first), "no such body", path);
+    if (b < 0) continue;
+    while (i < rows.n && rows.body[static_cast<std::size_t>(i)] == b && rows.is_alive(i) == rows.is_alive(first)) ++i;
+    if (i - first != static_cast<Row>(shape_of(rules, bodies, b).spheres.size()) ||
+        bodies.first[static_cast<std::size_t>(b)] != first)
+      refuse("body", static_cast<std::size_t>(first), "the body has other rows than its shape has spheres", path);
+  }
 }
 
 }  // namespace
 
 void check_restored_rows(const Rules& rules, const Rows& rows, const std::string& path) {
+  if (rows.bodies.in) check_bodies(rules, rows, path);
   for (Row i = 0; i < rows.n; ++i) check_row(rules, rows, i, path);
 }
 

@@ -13,7 +13,7 @@
 
 namespace talus {
 
-Rows::Rows(const Rules& rules) : stride(rules.stride) {
+Rows::Rows(const Rules& rules) : stride(rules.stride), bodies(rules) {
   const Features& h = rules.has;
   const auto row = [](const char* name, const char* label, const char* unit, const char* why, int width,
                       std::vector<double> dead) {
@@ -46,6 +46,7 @@ Rows::Rows(const Rules& rules) : stride(rules.stride) {
   held.optional = true;  // an event that is new at a resume may be the first to need it
   columns.add(held, fixed);
   columns.add(optional("group", h.groups, "scene.groups", "no groups", -1), group);
+  columns.add(optional("body", h.bodies, "a source makes bodies", "no source makes bodies", -1), body);
 }
 
 namespace {
@@ -58,7 +59,10 @@ double mass_from(const Rules& rules, const Rows& rows, const Column<double>& v, 
 
 }  // namespace
 
-double mass_of(const Rules& rules, const Rows& rows, Row i) { return mass_from(rules, rows, rows.v, rows.p, i); }
+double mass_of(const Rules& rules, const Rows& rows, Row i) {
+  if (const std::int32_t b = rows.body_of(i); b >= 0) return rows.leads(i) ? rows.bodies.mass(b) : 0;
+  return mass_from(rules, rows, rows.v, rows.p, i);
+}
 double old_mass_of(const Rules& rules, const Rows& rows, Row i) { return mass_from(rules, rows, rows.v2, rows.p2, i); }
 
 Vec3 gravity_along(const Rules& rules, const Clock& clock, bool periodic) {
@@ -69,15 +73,34 @@ Vec3 gravity_along(const Rules& rules, const Clock& clock, bool periodic) {
 }
 
 double row_energy(const Rules& rules, const Rows& rows, const Clock& clock, Row i) {
-  const double* u = rows.v.data() + static_cast<long>(rows.stride) * i;
+  if (!rows.leads(i)) return 0;
+  const std::int32_t body = rows.body_of(i);
+  const auto [u, inverse_mass] = velocity_of(rows, i);
   const double m = mass_of(rules, rows, i);
   // the row holds v(n-1/2); what gravity adds on the way to n is known, what contacts do is not. At the start v(0).
-  const bool free = u[rows.stride - 1] > 0;
+  const bool free = inverse_mass > 0;
   const bool exact = (clock.step == 0 && rules.scene.integrator == Integrator::velocity_verlet) || !free;
   const Vec3 now = Vec3{u[0], u[1], u[2]} + (exact ? 0.0 : 0.5 * rules.scene.dt) * clock.gravity;
   double e = 0.5 * m * norm2(now);
-  if (rules.has.rotation) e += 0.2 * m * ((u[4] * u[4] + u[5] * u[5]) + u[6] * u[6]);
-  return free ? e - m * dot(gravity_along(rules, clock, false), position_of(rules, rows, i)) : e;
+  if (body >= 0)
+    e += rotation_energy(rules, rows.bodies, body);
+  else if (rules.has.rotation)
+    e += 0.2 * m * ((u[4] * u[4] + u[5] * u[5]) + u[6] * u[6]);
+  return free ? e - m * dot(gravity_along(rules, clock, false), centre_of(rules, rows, i)) : e;
+}
+
+Vec3 centre_of(const Rules& rules, const Rows& rows, Row i) {
+  const std::int32_t b = rows.body_of(i);
+  return b < 0 ? position_of(rules, rows, i) : rows.bodies.centre(b) + rules.scene.domain.lower;
+}
+
+GrainVelocity velocity_of(const Rows& rows, Row i, bool second) {
+  if (const std::int32_t b = rows.body_of(i); b >= 0) {
+    const double* v = (second ? rows.bodies.v2 : rows.bodies.v).data() + 4L * b;
+    return {v, v[3]};
+  }
+  const double* v = (second ? rows.v2 : rows.v).data() + static_cast<long>(rows.stride) * i;
+  return {v, v[rows.stride - 1]};
 }
 
 Vec3 position_of(const Rules& rules, const Rows& rows, Row i) {
@@ -121,6 +144,7 @@ void append_particles(const Rules& rules, const Clock& clock, Rows& rows, const 
   set_particle_capacity(rows, first + static_cast<Row>(a.size()));
   // a grain born at step n carries v(n-1/2) = v - g dt/2
   const double half = clock.step == 0 ? 0.0 : 0.5 * rules.scene.dt;
+  auto body = a.bodies.begin();
   for (std::size_t q = 0; q < a.size(); ++q) {
     const Row i = first + static_cast<Row>(q);
     const Vec3 x = a.x[q] - rules.scene.domain.lower;
@@ -151,11 +175,14 @@ void append_particles(const Rules& rules, const Clock& clock, Rows& rows, const 
       }
       r[rules.stride - 1] = fixed ? 0.0 : 1.0 / m;
     }
+    while (body != a.bodies.end() && q >= static_cast<std::size_t>(body->first + body->count)) ++body;
+    if (body != a.bodies.end() && q >= static_cast<std::size_t>(body->first)) continue;  // append_bodies
     if (energy != nullptr)  // at n; the row holds the velocity of half a step before
       *energy += 0.5 * m * norm2(a.v[q]) + 0.2 * m * a.r[q] * a.r[q] * norm2(a.w[q]) -
                  (fixed ? 0 : m * dot(gravity_along(rules, clock, false), a.x[q]));
   }
   rows.alive += static_cast<Row>(a.size());
+  append_bodies(rules, clock, rows, first, a, energy);
 }
 
 }  // namespace talus

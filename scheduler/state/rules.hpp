@@ -15,6 +15,7 @@ namespace talus {
 struct Features {
   bool rotation = false, history = false, materials = false, walls = false, moving_walls = false, fixed = false;
   bool groups = false, energies = false, insertion = false, events = false, removal = false, periodic = false;
+  bool bodies = false;  ///< of several spheres
   bool moments = false, cohesion = false, adhesion = false, planes = false;
   int history_columns = 0;  ///< of the law, then those of rolling and twisting
   int law_columns = 0, moment_columns = 0;

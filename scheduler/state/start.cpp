@@ -31,6 +31,7 @@ void set_features(Rules& rules, bool any_fixed) {
   h.planes = !scene.output.flux_planes.empty();
   h.insertion = std::any_of(scene.sources.begin(), scene.sources.end(), acts_later);
   h.events = !scene.events.empty();
+  h.bodies = std::any_of(scene.sources.begin(), scene.sources.end(), [](const Source& s) { return s.shape >= 0; });
   h.fixed = any_fixed;
   for (const Event& e : scene.events)
     h.fixed = h.fixed || e.action == Event::Action::freeze || e.action == Event::Action::drive;
@@ -87,6 +88,14 @@ Rules rules_of(const Scene& scene, const RunOptions& options, const Insertion& i
   return rules;
 }
 
+/// No body may meet its own image.
+void check_periods(const Rules& rules, double reach) {
+  for (int k = 0; k < 3; ++k)
+    if (rules.has.bodies && rules.scene.domain.periodic(k) && !(rules.size[k] > 4 * reach))
+      throw Error(ErrorCode::scene, "a periodic side must be longer than twice the widest body", "domain",
+                  "side " + std::to_string(rules.size[k]) + ", widest body " + std::to_string(2 * reach));
+}
+
 SkinRule skin_of(const Rules& rules) {
   const Scene& scene = rules.scene;
   const SkinRule skin(scene, rules.r_min, rules.r_max);
@@ -120,6 +129,7 @@ Start start_of(const Scene& scene, const RunOptions& options, const bool* checkp
   s.insertion = std::make_unique<Insertion>(scene);
   s.rules = rules_of(scene, options, *s.insertion,
                      checkpoint_fixed != nullptr ? *checkpoint_fixed : s.insertion->any_fixed());
+  check_periods(s.rules, s.insertion->largest_reach());
   s.skin = skin_of(s.rules);
   s.walls = walls_of(s.rules, s.skin);
   s.rules.has.walls = s.walls.size() > 0;

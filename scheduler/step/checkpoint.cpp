@@ -81,17 +81,31 @@ void take_meta(World& w, const Meta& m) {
   w.ledger.work_before = w.ledger.work;
 }
 
-void load_columns(Rows& rows, const CheckpointReader& in) {
-  for (const Columns::Entry& e : rows.columns.all()) {
+/// Entries of n rows or bodies.
+void load_columns(const Columns& columns, std::size_t n, const CheckpointReader& in) {
+  for (const Columns::Entry& e : columns.all()) {
     if (!e.info.in || !e.info.saved || (e.info.optional && !in.has(e.info.name))) continue;
     const auto s = in.section(e.info.name);
-    if (s.size() != e.bytes * static_cast<std::size_t>(rows.n))
+    if (s.size() != e.bytes * n)
       throw Error(ErrorCode::io, "section '" + e.info.name + "' has a wrong size", in.path());
     if (!s.empty()) std::memcpy(e.data(), s.data(), s.size());
   }
-  for (const Columns::Entry& e : rows.columns.all())
-    if (e.info.in && e.spare != nullptr)
-      std::memcpy(e.data_of(e.spare), e.data(), e.bytes * static_cast<std::size_t>(rows.n));
+  for (const Columns::Entry& e : columns.all())
+    if (e.info.in && e.spare != nullptr && n > 0) std::memcpy(e.data_of(e.spare), e.data(), e.bytes * n);
+}
+
+void load_bodies(Rows& rows, const CheckpointReader& in) {
+  Bodies& bodies = rows.bodies;
+  if (!bodies.in) return;
+  const std::size_t n = in.section("body_shape").size() / sizeof(std::int32_t);
+  if (n > static_cast<std::size_t>(rows.n))
+    throw Error(ErrorCode::io, "section 'body_shape': more bodies than particles", in.path());
+  set_body_capacity(bodies, static_cast<std::int32_t>(n));
+  load_columns(bodies.columns, n, in);
+  std::fill(bodies.first.begin(), bodies.first.end(), -1);
+  for (Row i = rows.n; i-- > 0;)  // numbers that no run wrote are refused with the rows
+    if (const std::int32_t b = rows.body[static_cast<std::size_t>(i)]; b >= 0 && b < bodies.n)
+      bodies.first[static_cast<std::size_t>(b)] = i;
 }
 
 void load_parts(Parts& parts, const CheckpointReader& in) {
@@ -130,7 +144,8 @@ void restore_state(World& w, const CheckpointReader& in, const std::vector<int>&
                 in.path());
   check_meta(m, scene, in);
   set_particle_capacity(w.rows, static_cast<Row>(m.n));
-  load_columns(w.rows, in);
+  load_columns(w.rows.columns, static_cast<std::size_t>(m.n), in);
+  load_bodies(w.rows, in);
   take_meta(w, m);
   if (w.rules.has.energies && in.has("energies")) w.ledger.resumed = in.read_value<Energies>("energies");
   if (in.has("planes")) w.planes.load(in.section("planes"), in.path());
@@ -138,7 +153,13 @@ void restore_state(World& w, const CheckpointReader& in, const std::vector<int>&
   w.insertion->load(in.section("insertion"));
   check_restored_rows(w.rules, w.rows, in.path());
   w.rows.alive = 0;
-  for (Row i = 0; i < w.rows.n; ++i) w.rows.alive += w.rows.is_alive(i) ? 1 : 0;
+  for (Row i = 0; i < w.rows.n; ++i) {
+    if (!w.rows.is_alive(i)) continue;
+    ++w.rows.alive;
+    if (w.rows.body_of(i) < 0) continue;
+    ++w.rows.of_bodies;
+    w.rows.bodies_alive += w.rows.leads(i) ? 1 : 0;
+  }
   warn_of_meshes(w.rules, w.clock, w.walls, w.monitor);
   cut_into_chunks(w);
   restore_lists(w, in, walls);
@@ -152,6 +173,8 @@ void save_state(const World& w, CheckpointWriter& out) {
   const auto n = static_cast<std::size_t>(w.rows.n);
   for (const Columns::Entry& e : w.rows.columns.all())
     if (e.info.in && e.info.saved) out.add_view(e.info.name, e.data(), e.bytes * n);
+  for (const Columns::Entry& e : w.rows.bodies.columns.all())
+    if (e.info.in) out.add_view(e.info.name, e.data(), e.bytes * static_cast<std::size_t>(w.rows.bodies.n));
   write_contacts(w.rules, w.contacts, w.walls, failed, out);
   if (w.rules.has.energies) out.add_value("energies", energies_of(w));
   out.add("insertion", w.insertion->save());

@@ -66,6 +66,7 @@ void check_step(World& w) {
 void finish_step(World& w, const std::vector<NodeSpec>& table) {
   std::swap(w.rows.p, w.rows.p2);
   std::swap(w.rows.v, w.rows.v2);
+  w.rows.bodies.swap();
   w.rows.velocity_at_old_step = true;
   note_travel(w.contacts, w.lists);
   for (const NodeSpec& node : table)
@@ -80,7 +81,7 @@ void finish_step(World& w, const std::vector<NodeSpec>& table) {
 void cut_into_chunks(World& w) {
   w.contacts.chunk_size = choose_chunk(w.rules, w.rows);
   w.contacts.chunk_of = ChunkMap(w.contacts.chunk_size);
-  make_chunks(w.contacts, w.rows.n);
+  make_chunks(w.contacts, w.rows);
   limit_lanes(w.rules, w.contacts, w.team);
 }
 
@@ -90,6 +91,7 @@ void take_back(World& w, const StepFailure& failure) {
     if (w.counters.steps > 0 && w.rows.velocity_at_old_step) {
       std::swap(w.rows.p, w.rows.p2);
       std::swap(w.rows.v, w.rows.v2);
+      w.rows.bodies.swap();
       w.rows.velocity_at_old_step = false;
       w.ledger.work = w.ledger.work_before;
       w.planes.take_back();

@@ -44,8 +44,37 @@ class ChunkMap {
   /// Borders lie at multiples of this: a power of two, at most 64.
   static Row group_rows(int size) { return std::clamp<Row>(std::bit_floor(static_cast<unsigned>(size) / 16U), 1, 64); }
 
+  /// The same borders over n rows, each moved down to `border(row)`, where one may lie; without those that then
+  /// coincide.
+  template <class F>
+  ChunkMap moved(Row n, const F& border) const {
+    ChunkMap m(static_cast<int>(size_));
+    m.lo_.push_back(0);
+    const int kept = exact_ ? static_cast<int>(lo_.size()) : count(n);
+    for (int k = 1; k < kept; ++k)
+      if (const Row at = border(lo(k)); at > m.lo_.back()) m.lo_.push_back(at);
+    // rows that have come fill the last chunk first; none is cut
+    for (auto k = std::max<std::int64_t>(m.lo_.back() + size_, mapped_); exact_ && k < n; k += size_)
+      if (const Row at = border(static_cast<Row>(k)); at > m.lo_.back()) m.lo_.push_back(at), k = at;
+    m.mapped_ = n;
+    m.exact_ = true;
+    const Row rows = group_rows(static_cast<int>(size_));
+    m.shift_rows_ = std::bit_width(static_cast<unsigned>(rows)) - 1;
+    std::int32_t k = 0;
+    for (Row first = 0; first < n; first += rows) {
+      while (k + 1 < static_cast<std::int32_t>(m.lo_.size()) && m.lo_[static_cast<std::size_t>(k) + 1] <= first) ++k;
+      m.group_chunk_.push_back(k);
+    }
+    return m;
+  }
+
   int operator()(Row i) const {
-    if (i < mapped_) return group_chunk_[static_cast<std::size_t>(i >> shift_rows_)];
+    if (i < mapped_) {
+      std::int32_t k = group_chunk_[static_cast<std::size_t>(i >> shift_rows_)];
+      if (exact_)  // borders within groups
+        while (k + 1 < static_cast<std::int32_t>(lo_.size()) && lo_[static_cast<std::size_t>(k) + 1] <= i) ++k;
+      return k;
+    }
     // without a division: (row * factor) >> shift is exact for rows below 2^30
     return static_cast<int>(lo_.size()) +
            static_cast<int>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(i - mapped_)) * factor_) >> shift_);
@@ -67,6 +96,7 @@ class ChunkMap {
   std::vector<std::int32_t> group_chunk_;  ///< chunk of a group of rows
   Row mapped_ = 0;                         ///< rows that these cover
   int shift_rows_ = 0;
+  bool exact_ = false;  ///< borders may lie anywhere
 };
 
 }  // namespace talus

@@ -44,11 +44,12 @@ std::unique_ptr<World> copy_of(const World& w, bool energies) {
   set_particle_capacity(c.rows, w.rows.n);
   c.rows.columns.copy_saved(w.rows.columns, static_cast<std::size_t>(w.rows.n));
   c.rows.alive = w.rows.alive;
+  copy_bodies(w.rows, c.rows);
   c.clock = w.clock;
   if (c.rules.has.walls) c.walls.set_step(c.clock.step, c.rules.scene.dt);
   c.contacts.chunk_size = w.contacts.chunk_size;
   c.contacts.chunk_of = w.contacts.chunk_of;
-  make_chunks(c.contacts, c.rows.n);
+  make_chunks(c.contacts, c.rows);
   for (int k = 0; k < c.contacts.count(); ++k) c.contacts[k] = w.contacts[k];
   for (Row i = 0; i < c.rows.n; ++i)  // what is no number ends the run in its next step
     if (!c.rows.is_alive(i) || !finite_row(c.rows, i)) mark_gone(c.rows, c.lists, i);
@@ -183,6 +184,15 @@ std::vector<std::int32_t> add_particles(const World& w, Frame& f) {
     if (w.rules.has.materials) f.material.push_back(w.rows.material[i]);
     if (w.rules.has.fixed) f.fixed.push_back(w.rows.fixed[i]);
   }
+  if (w.rows.bodies.in) {  // the number of a body is that of its first sphere
+    ExtraColumn body{"body", "", {}};
+    for (const Row i : order) {
+      const std::int32_t b = w.rows.body_of(i);
+      body.values.push_back(
+          static_cast<double>(w.rows.id[b < 0 ? i : w.rows.bodies.first[static_cast<std::size_t>(b)]]));
+    }
+    f.extra.push_back(std::move(body));
+  }
   for (const Columns::Entry& e : w.rows.columns.all()) {
     if (!e.info.in || !e.info.output) continue;
     ExtraColumn column{e.info.name, e.info.unit, std::vector<double>(order.size())};
@@ -191,6 +201,28 @@ std::vector<std::int32_t> add_particles(const World& w, Frame& f) {
     f.extra.push_back(std::move(column));
   }
   return place;
+}
+
+std::vector<BodyRecord> present_bodies(const World& w) {
+  std::vector<BodyRecord> all;
+  const Bodies& bodies = w.rows.bodies;
+  for (std::int32_t b = 0; b < bodies.n; ++b) {
+    const Row first = bodies.first[static_cast<std::size_t>(b)];
+    if (!w.rows.is_alive(first)) continue;
+    const BodyState s = state_of(bodies, b);
+    BodyRecord r;
+    r.id = w.rows.id[first];
+    r.shape = bodies.shape[static_cast<std::size_t>(b)];
+    r.scale = bodies.scale(b);
+    r.mass = bodies.mass(b);
+    r.x = centre_of(w.rules, w.rows, first);
+    r.v = s.v;
+    r.w = angular_velocity(w.rules, bodies, b);
+    r.orientation = {s.turn.w, s.turn.x, s.turn.y, s.turn.z};
+    all.push_back(r);
+  }
+  std::sort(all.begin(), all.end(), [](const BodyRecord& a, const BodyRecord& b) { return a.id < b.id; });
+  return all;
 }
 
 std::vector<WallSurface> present_surfaces(const World& w) {
@@ -240,6 +272,7 @@ Frame frame_of(const World& w, const FrameRequest& q) {
   f.step = w.clock.step;
   f.time = static_cast<double>(w.clock.step) * w.rules.scene.dt;
   const std::vector<std::int32_t> place = add_particles(w, f);
+  f.bodies = present_bodies(w);
   if (q.contacts || q.coordination || q.stress) add_contacts(w, q, place, f);
   if (w.rules.has.walls && q.walls) f.walls = present_surfaces(w);
   if (w.rules.has.walls && q.wall_loads) f.wall_loads = wall_loads(w);

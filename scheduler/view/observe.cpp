@@ -34,8 +34,9 @@ Energies energies_of(const World& w) {
 }
 
 std::size_t bytes_of(const World& w) {
-  std::size_t b = w.rows.columns.bytes() + w.ledger.blocks.capacity() * sizeof(StepWork) + bytes_of(w.lists.grid) +
-                  w.team.list_scratch.bytes() + w.team.scratch.bytes();
+  std::size_t b = w.rows.columns.bytes() + w.rows.bodies.columns.bytes() +
+                  w.ledger.blocks.capacity() * sizeof(StepWork) + bytes_of(w.lists.grid) + w.team.list_scratch.bytes() +
+                  w.team.scratch.bytes();
   if (w.rules.has.walls) b += w.walls.bytes();
   for (const auto& c : w.contacts.chunks) b += bytes_of(*c);
   return b;

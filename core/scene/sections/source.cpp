@@ -176,9 +176,9 @@ Source read_source(const SceneTable& r, const Scene& scene, const std::vector<st
   }
   const std::string why = "by kind = " + r.text("kind");
   r.require("region", why);
-  r.require("size", why);
+  if (!r.has("shape")) r.require("size", why);
   s.region = read_region(r.section("region"), RegionOf::source, scene.domain, true);
-  s.size = read_size(r.section("size"));
+  if (r.has("size")) s.size = read_size(r.section("size"));
   check_made(r, s, scene.dt);
   return s;
 }

@@ -1,0 +1,127 @@
+// See clump_shape.hpp.
+#include "core/grains/clump_shape.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "core/base/det_math.hpp"
+#include "core/base/error.hpp"
+#include "core/base/rng.hpp"
+
+namespace talus {
+namespace {
+
+using shapes::Quaternion;
+
+std::vector<shapes::SubSphere> spheres_of(const ShapeSpec& spec, const std::string& directory) {
+  if (spec.spheres.empty()) {
+    const std::filesystem::path file(spec.file);
+    return shapes::read_clump((file.is_absolute() ? file : std::filesystem::path(directory) / file).string());
+  }
+  std::vector<shapes::SubSphere> all;
+  for (std::size_t k = 0; k + 3 < spec.spheres.size(); k += 4)
+    all.push_back({{spec.spheres[k], spec.spheres[k + 1], spec.spheres[k + 2]}, spec.spheres[k + 3]});
+  return all;
+}
+
+/// Bodies have positive moments, none of which exceeds the sum of the others.
+void check_moments(Vec3 m, const std::string& where) {
+  const double most = fmax2(m.x, fmax2(m.y, m.z)), sum = (m.x + m.y) + m.z;
+  if (fmin2(m.x, fmin2(m.y, m.z)) > 0 && most <= (sum - most) * (1 + 1e-9)) return;
+  throw Error(ErrorCode::scene,
+              fmt::format("no body has the principal moments of inertia {:g}, {:g}, {:g} kg m2", m.x, m.y, m.z), where,
+              "all are positive, and none exceeds the sum of the others");
+}
+
+/// Largest (x x n) I^-1 (x x n) over unit n: the largest eigenvalue of [x]^T I^-1 [x].
+double lever_of(Vec3 x, Vec3 inverse) {
+  const Vec3 a{0, x.z, -x.y}, b{-x.z, 0, x.x}, c{x.y, -x.x, 0};  // columns of [x]
+  const auto times = [&](Vec3 p, Vec3 q) {
+    return (p.x * inverse.x * q.x + p.y * inverse.y * q.y) + p.z * inverse.z * q.z;
+  };
+  const shapes::PrincipalAxes axes =
+      shapes::principal_axes({times(a, a), times(b, b), times(c, c), times(a, b), times(a, c), times(b, c)});
+  return fmax2(axes.moments.x, fmax2(axes.moments.y, axes.moments.z));
+}
+
+/// The shortest turn from the z axis to n.
+Quaternion upright_to(Vec3 n) {
+  if (!(n.z > -1 + 1e-14)) return {0, 1, 0, 0};
+  return shapes::normalised({1 + n.z, -n.y, n.x, 0});
+}
+
+}  // namespace
+
+void load_shape(ShapeSpec& spec, const std::string& directory) {
+  if (spec.clump != nullptr) return;
+  const std::string where =
+      spec.file.empty() ? fmt::format("shape '{}'", spec.name) : fmt::format("shape '{}', {}", spec.name, spec.file);
+  const std::vector<shapes::SubSphere> given = spheres_of(spec, directory);
+  const shapes::MassProperties whole = shapes::union_properties(given, where);
+  ClumpShape c;
+  c.volume = whole.volume;
+  c.density = spec.mass > 0 ? spec.mass / whole.volume : spec.density;
+  c.equal_radius = det::cbrt(whole.volume / (4.0 / 3.0 * det::k_pi));
+  const bool loaded = !spec.inertia.empty();
+  std::array<double, 6> inertia = whole.inertia;
+  for (std::size_t k = 0; k < 6 && loaded; ++k) inertia[k] = spec.inertia[k];
+  const Vec3 centre = spec.off_centre ? spec.centre : whole.centre;
+  const shapes::PrincipalAxes axes = shapes::principal_axes(inertia);
+  c.moments = (1 / (loaded ? spec.mass : whole.volume)) * axes.moments;
+  check_moments(loaded ? axes.moments : c.moments, where);
+  c.rotor = shapes::make_rotor(c.moments);
+  c.turn = axes.turn;
+  const shapes::Rotation r = shapes::rotation(axes.turn);
+  c.smallest = k_never;
+  for (const shapes::SubSphere& s : given) {
+    c.spheres.push_back({shapes::to_body(r, s.x - centre), s.r});
+    c.smallest = fmin2(c.smallest, s.r);
+    c.largest = fmax2(c.largest, s.r);
+    c.lightness = fmax2(c.lightness, 1 + lever_of(c.spheres.back().x, c.rotor.inverse));
+  }
+  c.bound = shapes::clump_radius(c.spheres, {});
+  spec.clump = std::make_shared<const ClumpShape>(std::move(c));
+}
+
+void set_natural_sizes(Scene& scene) {
+  for (Source& s : scene.sources) {
+    if (s.shape < 0 || s.kind == Source::Kind::file || s.size.largest() > 0) continue;
+    if (const auto& clump = scene.shapes[static_cast<std::size_t>(s.shape)].clump)
+      s.size.diameter = 2 * clump->equal_radius;
+  }
+}
+
+double smallest_share(const Scene& scene, std::size_t source) {
+  const int k = scene.sources[source].shape;
+  if (k < 0) return 1;
+  const ClumpShape& c = *scene.shapes[static_cast<std::size_t>(k)].clump;
+  return c.smallest / c.equal_radius;
+}
+
+double largest_share(const Scene& scene, std::size_t source) {
+  const int k = scene.sources[source].shape;
+  if (k < 0) return 1;
+  const ClumpShape& c = *scene.shapes[static_cast<std::size_t>(k)].clump;
+  return c.largest / c.equal_radius;
+}
+
+Quaternion first_turn(const Scene& scene, std::size_t source, std::int64_t number) {
+  const Source& s = scene.sources[source];
+  const ClumpShape& shape = *scene.shapes[static_cast<std::size_t>(s.shape)].clump;
+  const CounterRng rng(scene.seed, source, 0x7475726e);  // a substream of its own: sizes and places stay as they are
+  const auto draw = [&](std::uint64_t k) { return rng.uniform(3 * static_cast<std::uint64_t>(number) + k); };
+  if (s.orientation == Source::Orientation::random) {  // Shoemake (1992)
+    const double u = draw(0), a = __builtin_sqrt(1 - u), b = __builtin_sqrt(u);
+    const auto p = det::sincos_turns(draw(1)), q = det::sincos_turns(draw(2));
+    return shapes::normalised(Quaternion{b * q.cos, a * p.sin, a * p.cos, b * q.sin} * shape.turn);
+  }
+  Quaternion turn = upright_to(s.orientation_axis);
+  if (s.orientation == Source::Orientation::axis) {
+    const auto t = det::sincos_turns(draw(0));  // of half the angle: two turns cover all angles twice
+    turn = turn * Quaternion{t.cos, 0, 0, t.sin};
+  }
+  return shapes::normalised(turn * shape.turn);
+}
+
+}  // namespace talus

@@ -1,0 +1,121 @@
+// [[shape]], and the keys of a [[source]] that makes bodies of one.
+#include "core/grains/clump_shape.hpp"
+#include "core/scene/sections/parts.hpp"
+
+namespace talus {
+namespace {
+
+constexpr std::string_view k_made = "kind=lattice|random|stream";
+
+const Keys<ShapeSpec> k_shape(
+    {"shape", true, "a body that is no sphere, for sources; lengths are those of scale 1"},
+    fixed_by("its bodies are there"),
+    {
+        text_key<ShapeSpec>("name", "unique name", "\"rod\"").required(),
+        key("kind", &ShapeSpec::kind,
+            "clump: spheres that move as one rigid body. Volume, mass, centre and inertia are those of the union, so "
+            "that spheres which overlap count once",
+            "\"clump\""),
+        key("spheres", &ShapeSpec::spheres, "m", k_coordinate, "x, y, z, radius of each sphere, one after another",
+            "[0, 0, -0.01, 0.01, 0, 0, 0.01, 0.01]")
+            .absent("(this or file)")
+            .usual("", "file"),
+        key("file", &ShapeSpec::file,
+            "table whose header row names x, y, z, radius, as cases/shapes has some and `talus shape` makes them of a "
+            "mesh; relative to the scene",
+            "\"rod.csv\"")
+            .absent("(this or spheres)"),
+        key("density", &ShapeSpec::density, "kg/m3", k_positive, "of its matter", "1400")
+            .absent("(that of the source's material)"),
+        key("mass", &ShapeSpec::mass, "kg", k_positive, "of a body of scale 1; it grows with the volume", "0.02")
+            .absent("(density times volume)"),
+        key("inertia", &ShapeSpec::inertia, "kg m2", k_finite,
+            "moments xx, yy, zz and, if not 0, products xy, xz, yz about `centre`, of a body of scale 1 (xy = minus "
+            "the "
+            "sum of m x y); needs mass",
+            "[2e-6, 2e-6, 1e-6]")
+            .beside("mass = 0.02")
+            .absent("(of the union)"),
+        key("centre", &ShapeSpec::centre, "m", k_coordinate, "centre of mass of a loaded body; needs inertia",
+            "[0, 0, 0.002]")
+            .beside("mass = 0.02\ninertia = [2e-6, 2e-6, 1e-6]")
+            .absent("(of the union)"),
+    });
+
+const Keys<Source> k_source(
+    {"source", true, ""}, fixed_by("its bodies are there"),
+    {
+        text_key<Source>("shape",
+                         "its grains are bodies of this [[shape]]. `size` then is the diameter of the sphere of equal "
+                         "volume, without it bodies have scale 1; number and rates count bodies",
+                         "\"rod\"")
+            .absent("(spheres)")
+            .only(k_made)
+            .with("[[shape]]\nname = \"rod\"\nspheres = [0, 0, -0.01, 0.01, 0, 0, 0.01, 0.01]\n"),
+        key("orientation", &Source::orientation,
+            "how bodies lie at first; random: all turns alike; fixed: the shape's z axis along orientation_axis; axis: "
+            "the same, turned about it at random",
+            "\"axis\"")
+            .only(k_made)
+            .beside("shape = \"rod\"")
+            .with("[[shape]]\nname = \"rod\"\nspheres = [0, 0, -0.01, 0.01, 0, 0, 0.01, 0.01]\n"),
+        direction_key("orientation_axis", &Source::orientation_axis, "along which the z axis of a shape lies",
+                      "[1, 0, 0]")
+            .only("orientation=fixed|axis")
+            .beside("shape = \"rod\"")
+            .with("[[shape]]\nname = \"rod\"\nspheres = [0, 0, -0.01, 0.01, 0, 0, 0.01, 0.01]\n"),
+    });
+
+ShapeSpec read_shape(const SceneTable& r, std::vector<std::string>& names) {
+  ShapeSpec s;
+  k_shape.read(r, s);
+  s.name = unique_name(r, "", names);
+  r.exclusive("spheres", "file");
+  r.exclusive("density", "mass");
+  if (!r.has("spheres") && !r.has("file")) r.missing("spheres", "(or file) by a clump");
+  if (r.has("spheres") && (s.spheres.empty() || s.spheres.size() % 4 != 0))
+    r.fail("spheres", "must have four numbers (x, y, z, radius) for each sphere");
+  if (r.has("inertia") && !r.has("mass")) r.fail("inertia", "needs 'mass'");
+  if (r.has("inertia") && s.inertia.size() != 3 && s.inertia.size() != 6)
+    r.fail("inertia", "must have three moments, or these and three products");
+  if (r.has("centre") && !r.has("inertia")) r.fail("centre", "needs 'inertia', which is about it");
+  s.off_centre = r.has("centre");
+  s.inertia.resize(s.inertia.size() == 3 ? 6 : s.inertia.size(), 0.0);
+  if (!s.spheres.empty()) load_shape(s, "");
+  return s;
+}
+
+void read(const SceneTable& root, Scene& scene) {
+  std::vector<std::string> names;
+  for (const SceneTable& r : root.sections("shape")) scene.shapes.push_back(read_shape(r, names));
+  const std::vector<SceneTable> sources = root.sections("source");
+  bool any = false;
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    const SceneTable& r = sources[k];
+    Source& s = scene.sources[k];
+    k_source.read(r, s);
+    if (r.has("shape")) s.shape = r.index("shape", names, "shape");
+    for (const std::string_view key : {"orientation", "orientation_axis"})
+      if (s.shape < 0 && r.has(key)) r.fail(key, "has no effect without 'shape'");
+    any = any || s.shape >= 0;
+  }
+  if (!any) return;
+  set_natural_sizes(scene);
+  // what is said of each sphere by itself would be wrong of the body
+  constexpr const char* refused = "cannot be had of bodies that are no spheres";
+  const SceneTable output = root.section("output");
+  if (scene.output.stress) output.fail("stress", refused);
+  if (scene.output.grid.on) output.fail("grid", refused);
+  if (!scene.output.regions.empty()) output.fail("region", refused);
+  if (scene.tracer_rate >= 0) root.fail("tracer", refused);
+  if (scene.conversion.on) root.fail("conversion", refused);
+}
+
+}  // namespace
+
+const PartSections& shape_sections() {
+  static const PartSections all{{&k_shape, &k_source}, read};
+  return all;
+}
+
+}  // namespace talus
