@@ -4,7 +4,6 @@
 #include "scheduler/lists/skin_check.hpp"
 #include "scheduler/nodes/add_ons.hpp"
 #include "scheduler/nodes/monitor.hpp"
-#include "scheduler/state/faults.hpp"
 
 namespace talus {
 
@@ -77,7 +76,7 @@ void integrate_chunk(const Rules& rules, const Clock& clock, Rows& rows, const L
   a.loss = rules.has.energies && a.local != 0 ? energy.data() : nullptr;
   a.unstable = rules.bounds.unstable;
   a.out = c.result.out.data();
-  Faults(rules.options).spoil_force(clock.step, c.index, s.f.data());
+  if (rules.hooks.spoil != nullptr) rules.hooks.spoil(clock.step, c, s.f.data());
   rules.kernels->integrate[rules.has.rotation ? 1 : 0](a);
   s.clean = true;  // it leaves zeros behind: a pass of its own over the rows would cost 1 ns per particle
   c.result.out_count = a.out_count;
