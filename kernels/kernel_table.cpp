@@ -1,12 +1,10 @@
-// Run-time choice of the instruction set and coefficients of the contact laws.
+// Run-time choice of the instruction set, and coefficients as the kernels read them.
 #include "kernels/kernel_table.hpp"
 
 #include <algorithm>
 #include <cstdlib>
 
-#include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
-#include "core/rules/restitution.hpp"
 
 namespace talus {
 
@@ -14,14 +12,6 @@ extern const KernelTable k_table_scalar, k_table_sse2, k_table_avx2, k_table_avx
 extern const KernelTable k_table_avx2_fast, k_table_avx512_fast;
 
 namespace {
-
-constexpr LawInfo k_laws[] = {
-    {ContactModel::linear, "linear", 0, 3, false},
-    {ContactModel::hertz_mindlin, "hertz_mindlin", 8, 4, true},
-    {ContactModel::hertz_tsuji, "hertz_tsuji", 8, 4, true},
-    {ContactModel::jkr, "jkr", 16, 4, true},
-};
-constexpr LawInfo k_partial_slip{ContactModel::hertz_mindlin, "partial_slip", 24, 7, true};
 
 // __builtin_cpu_supports accounts for what the operating system enables (XCR0); xsimd's own detection does not.
 bool supported(Isa isa) {
@@ -51,14 +41,6 @@ const KernelTable& table(Isa isa) {
 }
 
 }  // namespace
-
-const LawInfo& law_info(ContactModel model) {
-  for (const LawInfo& l : k_laws)
-    if (l.model == model) return l;
-  throw Error(ErrorCode::scene, "contact model without a kernel");
-}
-
-const LawInfo& law_info(const ContactLaw& law) { return law.partial_slip ? k_partial_slip : law_info(law.model); }
 
 const char* isa_name(Isa isa) noexcept {
   switch (isa) {
@@ -115,43 +97,12 @@ const KernelTable& select_kernels(Isa isa, std::string* why, Precision precision
 }
 
 std::vector<PairParameters> pair_parameters(const Scene& scene) {
-  const auto n = scene.materials.size();
-  const ContactLaw& law = scene.contact;
-  std::vector<PairParameters> out(n * n);
-  for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = 0; b < n; ++b) {
-      const PairCoefficients& c = scene.pair(static_cast<int>(a), static_cast<int>(b));
-      PairParameters& p = out[a * n + b];
-      p.mu = c.friction;
-      if (law.model == ContactModel::linear) {
-        p.kn = law.normal_stiffness;
-        p.kt = law.tangential_stiffness;
-        if (law.by_restitution) {
-          // rate = 2 beta sqrt(k/m_eff); the same rate tangentially
-          p.gn = damping_coefficient(c.restitution, DampedSpring::linear, law.clip_tension);
-          p.gt = law.tangential_damping > 0 ? law.tangential_damping : 0;
-        } else {
-          p.gn = law.normal_damping;
-          p.gt = law.tangential_damping;
-        }
-      } else {
-        const Material &m = scene.materials[a], &k = scene.materials[b];
-        const double e_star = 1 / ((1 - m.poisson * m.poisson) / m.young + (1 - k.poisson * k.poisson) / k.young);
-        const double ga = m.young / (2 * (1 + m.poisson)), gb = k.young / (2 * (1 + k.poisson));
-        const double g_star = 1 / ((2 - m.poisson) / ga + (2 - k.poisson) / gb);
-        const double e = c.restitution;
-        double alpha = 0;
-        if (law.model == ContactModel::hertz_tsuji) {
-          alpha = 1.2728 + e * (-4.2783 + e * (11.087 + e * (-22.348 + e * (27.467 + e * (-18.022 + e * 4.8218)))));
-        } else {
-          alpha = damping_coefficient(e, DampedSpring::hertz, law.clip_tension);
-        }
-        p.kn = 4.0 / 3.0 * e_star;
-        p.kt = 8 * g_star;
-        p.gn = alpha;
-        p.gt = __builtin_sqrt(2.0 / 3.0) * alpha;
-        p.w = law.model == ContactModel::jkr ? c.work_of_adhesion : 0;
-      }
+  const int n = static_cast<int>(scene.materials.size());
+  std::vector<PairParameters> out;
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b < n; ++b) {
+      out.push_back(law_of(scene).parameters(scene, a, b));
+      out.back().mu = scene.pair(a, b).friction;
     }
   return out;
 }
@@ -182,7 +133,7 @@ MomentArgs moment_args(const Scene& scene) {
   a.rolling = static_cast<int>(scene.contact.rolling);
   a.twisting = scene.contact.twisting ? 1 : 0;
   const bool springs = scene.contact.rolling == Rolling::epsd || scene.contact.twisting;
-  a.rescale = scene.contact.model != ContactModel::linear && springs ? 1 : 0;
+  a.rescale = law_of(scene).by_modulus && springs ? 1 : 0;
   a.centred = scene.contact.dashpot != Dashpot::lagged ? 1 : 0;
   return a;
 }

@@ -4,26 +4,15 @@
 #include <string>
 #include <vector>
 
+#include "core/rules/laws/law.hpp"
 #include "core/scene/scene.hpp"
 #include "kernels/views.hpp"
 
 namespace talus {
 
-/// What a contact law needs from the engine; one line per law (see kernels/models).
-struct LawInfo {
-  ContactModel model;
-  const char* name;
-  int slot;     ///< first of its eight variants in KernelTable::law
-  int history;  ///< columns with friction (none without), beside that of recalls()
-  bool wants_reff;
-};
-const LawInfo& law_info(ContactModel model);
-/// The same with what the scene has chosen beside the model.
-const LawInfo& law_info(const ContactLaw& law);
-
 /// Variant index into KernelTable::law.
 inline int law_index(const LawInfo& law, bool friction, bool multi, bool energy) {
-  return law.slot + (friction ? 1 : 0) + (multi ? 2 : 0) + (energy ? 4 : 0);
+  return law.slot() + (friction ? 1 : 0) + (multi ? 2 : 0) + (energy ? 4 : 0);
 }
 
 /// Kernels of `isa`, or of the best one the processor has for Isa::automatic (TALUS_ISA overrides). `why` tells the

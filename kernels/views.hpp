@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "core/rules/pair_parameters.hpp"
+
 namespace talus {
 
 inline constexpr int k_block = 128;        ///< contacts per L1 block (DESIGN 2.4)
@@ -33,14 +35,6 @@ struct NarrowArgs {
   std::int32_t *ci, *cj;        ///< [contacts + pad]
   std::int64_t contact_end[3];  ///< contact ends of the three sections
   int run_count;                ///< 0: every contact has its place of the last step
-};
-
-/// Coefficients of one material pair as the laws use them; see kernels/models for which entries a law reads.
-struct PairParameters {
-  double kn = 0, kt = 0;  ///< linear: [N/m]; Hertz: 4/3 E* and 8 G* [Pa]
-  double gn = 0, gt = 0;  ///< linear: rates [1/s], or 2 beta (rate = gn sqrt(k/m_eff)) by restitution; Hertz: alpha [-]
-  double mu = 0;          ///< friction [-]
-  double w = 0;           ///< JKR: work of adhesion [J/m2]
 };
 
 /// One block of up to k_block contacts in L1: relative geometry and motion in, force and torque rows out.

@@ -18,6 +18,7 @@
 #include "core/grains/body.hpp"
 #include "core/grains/insertion.hpp"
 #include "core/grains/source_notes.hpp"
+#include "core/rules/laws/law.hpp"
 #include "core/scene/scene_forgotten.hpp"
 #include "scheduler/simulation.hpp"
 
@@ -60,15 +61,14 @@ std::string step_text(const Scene& scene, const StepAdvice& a, double contact) {
 
 std::string soft_text(const Scene& scene, const Softening& s) {
   if (!(s.factor > 0)) return "nothing moves or weighs: no overlap to judge";
-  const bool linear = scene.contact.model == ContactModel::linear;
   std::string text =
       fmt::format("{} press contacts by about {:.2g} of the radius; ",
                   s.by_impact ? fmt::format("impacts at {:.3g} m/s (the fastest that the scene lets expect)", s.speed)
                               : fmt::format("a bed as high as the domain ({:.3g} N per contact)", s.load),
                   s.overlap);
-  const std::string value =
-      linear ? fmt::format("normal_stiffness = {:.3g} N/m", s.factor * scene.contact.normal_stiffness)
-             : fmt::format("Young's moduli {:.3g} times as large", s.factor);
+  const std::string value = law_of(scene).by_modulus ? fmt::format("Young's moduli {:.3g} times as large", s.factor)
+                                                     : fmt::format("normal_stiffness = {:.3g} N/m",
+                                                                   s.factor * scene.contact.normal_stiffness);
   if (s.factor < 1)
     text += fmt::format("{} would allow 1 % and a time step {:.2g} times as long", value, s.step_factor);
   else

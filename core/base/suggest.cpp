@@ -69,6 +69,30 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
   return best;
 }
 
+std::string choice_hint(std::string_view word, const std::vector<std::string>& choices,
+                        const std::vector<Meaning>& meanings) {
+  const auto hint = [](std::string_view choice) { return fmt::format(" (did you mean '{}'?)", choice); };
+  const std::string typed = plain(word.substr(0, k_longest));
+  const std::size_t allowed = std::max<std::size_t>(typed.size() / 3, 1);
+  std::string_view best;
+  std::size_t least = allowed + 1;
+  const auto offer = [&](std::string_view spelt, std::string_view choice) {
+    const std::size_t distance = edit_distance(typed, spelt);
+    // a wrong letter in one or two is another word
+    if (distance >= least || (distance > 0 && spelt.size() < 3)) return;
+    least = distance;
+    best = choice;
+  };
+  for (const std::string& c : choices) offer(c, c);
+  for (const Meaning& m : meanings) offer(m.word, m.choice);
+  if (!best.empty()) return hint(best);
+  for (const std::string& c : choices)
+    if (typed.size() > 2 && (has_word(c, typed) || has_word(typed, c))) return hint(c);
+  for (const Meaning& m : meanings)
+    if (has_word(typed, m.word)) return hint(m.choice);
+  return "";
+}
+
 std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates) {
   const std::string best = nearest_name(name, candidates);
   return best.empty() ? "" : fmt::format(" (did you mean '{}'?)", best);

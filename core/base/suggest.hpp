@@ -18,6 +18,15 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
 /// " (did you mean 'x'?)" or "".
 std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates);
 
+/// A word of everyday language or of other codes, and the choice that it means.
+struct Meaning {
+  std::string_view word, choice;
+};
+/// The same for one of a few choices, whose words say nothing by their letters: what the word means, else one that is
+/// misspelt (up to a third of the letters wrong) or contains it as a word.
+std::string choice_hint(std::string_view word, const std::vector<std::string>& choices,
+                        const std::vector<Meaning>& meanings = {});
+
 /// True if `word` stands in `name` between its ends, '_', '-' and '.'.
 bool has_word(std::string_view name, std::string_view word);
 

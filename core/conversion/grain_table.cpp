@@ -91,7 +91,7 @@ void GrainTable::check(const std::string& name, const TomlNode& value) const {
     if (!fits(k, value)) {
       const bool word = k.type == GrainKeyType::choice && value.type == Type::text;
       fault(value.where, full(name), value.shown,
-            "must be " + allowed_text(k) + (word ? did_you_mean(value.text, words_of(k.choices)) : ""));
+            "must be " + allowed_text(k) + (word ? choice_hint(value.text, words_of(k.choices)) : ""));
     }
     return;
   }

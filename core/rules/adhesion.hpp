@@ -1,4 +1,4 @@
-// Reach and strength of adhesion and cohesion. Who calls it: core/rules/skin.hpp (R_C includes the range, I1),
+// Reach and strength of adhesion and cohesion. Who calls it: scheduler/lists/skin.hpp (R_C includes the range, I1),
 // scheduler/ (narrow phase, construction), core/rules/timestep.cpp. Formulae: kernels/models/jkr.hpp and cohesion.hpp.
 #pragma once
 

@@ -20,10 +20,17 @@ struct ContactCase {
 
 std::string describe(const Scene& scene, const ContactCase& c);
 
+/// Two particles as one against a point at rest.
+struct ReducedPair {
+  double m, r;   ///< mass [kg] and radius [m]
+  double spins;  ///< 1 / moment of inertia [1/(kg m2)]
+};
+
 /// Squared frequencies [1/s2] of the free pair, that is stiffness over reduced mass, for rolling and twisting over the
 /// reduced moment of inertia; damping rates [1/s] likewise.
 struct ContactDynamics {
-  double duration = 0;  ///< of an impact [s]
+  double duration = 0;   ///< of an impact [s]
+  double stiffness = 0;  ///< normal [N/m]
   double normal = 0, tangential = 0, rolling = 0, twisting = 0;
   double normal_rate = 0, tangential_rate = 0, rolling_rate = 0, twisting_rate = 0;
 };

@@ -1,5 +1,5 @@
-// Damping coefficient of a contact law for a wanted coefficient of restitution. Who calls it: kernels/kernel_table.cpp
-// (coefficients of the laws) and core/rules/timestep.cpp (limits). Invariant: I4 (own log, + - * / sqrt: set-up is
+// Damping coefficient of a contact law for a wanted coefficient of restitution. Who calls it: core/rules/laws
+// (coefficients and limits). Invariant: I4 (own log, + - * / sqrt: set-up is
 // trajectory code).
 #pragma once
 

@@ -11,6 +11,7 @@
 #include "core/base/error.hpp"
 #include "core/grains/body.hpp"
 #include "core/rules/contact_limits.hpp"
+#include "core/rules/laws/law.hpp"
 #include "core/scene/duration.hpp"
 
 namespace talus {
@@ -78,7 +79,7 @@ constexpr double k_moving = 1.0 / 3, k_moving_smooth = 1.0 / 2, k_smooth_energy 
 /// contacts per grain; those of a regular packing, twelve, do not all bear a bed as high as the domain.
 double mode_of(const Scene& scene, const Judged& c, double dt) {
   const bool wall = c.contact.wall();
-  if (scene.contact.model == ContactModel::linear) return packing_mode(scene, c.impact, wall, dt);
+  if (!law_of(scene).by_modulus) return packing_mode(scene, c.impact, wall, dt);
   const double moving = scene.contact.friction ? k_moving : k_moving_smooth;
   return fmax2(0.5 * packing_mode(scene, c.rest, wall, dt), moving * packing_mode(scene, c.shared, wall, dt));
 }
@@ -202,7 +203,7 @@ TimeStepReport limits_at(const Scene& scene, const Population& grains, const Wal
     throw Error(ErrorCode::scene, fmt::format("time.step: {}: must be a number > 0 [s]", scene.dt), scene.file);
   if (!(grains.smallest_free() > 0)) return report;  // no particle can ever move
   report.speeds = speeds_of(scene, grains, walls);
-  if (scene.contact.model != ContactModel::linear) report.velocity = fmax2(least_speed, report.speeds.closing);
+  if (law_of(scene).by_modulus) report.velocity = fmax2(least_speed, report.speeds.closing);
   const auto keep = [&](TimeStepLimit& limit, double seconds, const ContactCase& c) {
     if (seconds < limit.seconds) limit = {seconds, describe(scene, c)};
   };
@@ -298,7 +299,7 @@ Softening softening(const Scene& scene, const Population& grains, double speed) 
   Softening s;
   s.speed = speed;
   constexpr double target = 0.01;  // overlap / radius
-  const bool linear = scene.contact.model == ContactModel::linear;
+  const Law& law = law_of(scene);
   double impact = 0, pressed = 0;  // overlaps / radius
   for (const GrainKind& kind : grains.kinds) {
     if (kind.fixed) continue;
@@ -306,25 +307,13 @@ Softening softening(const Scene& scene, const Population& grains, double speed) 
     const double r = kind.largest[0], m = Body{r, material.density}.mass();
     const double load = bed_pressure(scene, material.density) * (4 * r * r);
     s.load = fmax2(s.load, load);
-    if (linear) {
-      const double k = scene.contact.normal_stiffness;
-      impact = fmax2(impact, s.speed * std::sqrt(m / k) / r);
-      pressed = fmax2(pressed, load / k / r);
-    } else {
-      const double e_star = material.young / (2 * (1 - material.poisson * material.poisson));
-      impact = fmax2(impact, det::pow(15 * m * (s.speed * s.speed) / (16 * e_star * std::sqrt(r)), 0.4) / r);
-      pressed = fmax2(pressed, det::pow(3 * load / (4 * e_star * std::sqrt(0.5 * r)), 2.0 / 3.0) / r);
-    }
+    const Overlaps o = law.overlaps(scene, material, r, m, s.speed, load);
+    impact = fmax2(impact, o.impact);
+    pressed = fmax2(pressed, o.pressed);
   }
-  if (linear) {
-    // stiffness for the target: impact ~ k^-1/2, weight ~ k^-1
-    s.factor = fmax2((impact / target) * (impact / target), pressed / target);
-    s.step_factor = s.factor > 0 ? 1 / std::sqrt(s.factor) : 0;
-  } else {
-    // impact ~ E^-2/5, weight ~ E^-2/3; the contact time goes as E^-2/5
-    s.factor = fmax2(det::pow(impact / target, 2.5), det::pow(pressed / target, 1.5));
-    s.step_factor = s.factor > 0 ? det::pow(s.factor, -0.4) : 0;
-  }
+  // the contact time goes as the overlap of an impact
+  s.factor = fmax2(det::pow(impact / target, 1 / law.impact_power), det::pow(pressed / target, 1 / law.load_power));
+  s.step_factor = s.factor > 0 ? det::pow(s.factor, -law.impact_power) : 0;
   s.by_impact = impact >= pressed;
   s.overlap = fmax2(impact, pressed);
   return s;

@@ -117,6 +117,8 @@ struct Key {
   Key acts() && { return set(rule, ResumeRule{AtResume::physics, ""}); }
   Key fixed(std::string_view why) && { return set(rule, ResumeRule{AtResume::fixed, why}); }
   Key also(std::initializer_list<KeyAlias> words) && { return set(row.also, words); }
+  /// Words that users write for one of the choices.
+  Key meaning(std::initializer_list<Meaning> words) && { return set(row.meanings, words); }
   /// Examples need this key, or `instead`, where the sibling has the value ("": always).
   Key usual(std::string_view value, std::string_view instead) && {
     row.usual_for = value.empty() ? "*" : value;

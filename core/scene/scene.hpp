@@ -328,9 +328,7 @@ struct RunOptions {
   Isa isa = Isa::automatic;
   int chunk = 0;  ///< particles per chunk; 0: by N and threads
   bool profile = false;
-  bool audit = false;    ///< brute-force check of the list at every step (small N)
-  int seeded_fault = 0;  ///< tests only: break one invariant on purpose (1 border order, 2 contact order, 3 skin,
-                         ///< 4 a force becomes NaN in step 50)
+  bool audit = false;  ///< brute-force check of the list at every step (small N)
 };
 
 }  // namespace talus

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "core/rules/laws/law.hpp"
+
 namespace talus {
 namespace {
 
@@ -31,8 +33,8 @@ std::vector<std::string> forgotten_keys(const SceneText& text) {
     notes.push_back(
         "no friction is given, so grains slide freely and never turn (contact.friction = 0.5; \"none\" says that it is "
         "meant)");
-  // The Hertz models require a restitution.
-  if (scene.contact.model == ContactModel::linear &&
+  // The others require a restitution.
+  if (!law_of(scene).by_modulus &&
       none_of({{"contact", "restitution"}, {"contact", "normal_damping"}, {"pair", "restitution"}}))
     notes.push_back(
         "no restitution is given, so impacts lose nothing (contact.restitution = 0.8; 1, or contact.normal_damping = "

@@ -64,6 +64,7 @@ struct SceneKey {
   std::string_view example;    ///< value in TOML syntax
   ResumeRule resume{};
   std::vector<KeyAlias> also{};
+  std::vector<Meaning> meanings{};  ///< of words that are no choice
   std::string_view usual_for{};  ///< examples of other keys give this one where the key that decides has this value ...
   std::string_view instead{};    ///< ... unless they are about this key, which takes its place
   std::string_view with{};       ///< lines of [contact] that make an example of the key complete

@@ -15,6 +15,8 @@
 
 namespace talus {
 
+struct TomlNode;
+
 /// One key that a scene gives, with its value in normal form: equal values have equal texts.
 struct SceneValue {
   std::string path;           ///< "wall.0.motion.velocity"
@@ -64,14 +66,13 @@ class SceneTable {
 
  private:
   struct Text;
-  SceneTable(std::shared_ptr<const Text> text, const void* table, std::string section, std::string path);
+  SceneTable(std::shared_ptr<const Text> text, const TomlNode* table, std::string section, std::string path);
   int choice_index(std::string_view name) const;
   std::string child(std::string_view name) const;
   std::string full(std::string_view name) const;
-  struct Access;  ///< the implementation's view with the parser's types
 
   std::shared_ptr<const Text> text_;
-  const void* table_;  ///< toml::table, owned by *text_; nullptr: absent section
+  const TomlNode* table_;  ///< owned by *text_; nullptr: absent section
   std::string section_, path_;
 };
 

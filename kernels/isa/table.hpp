@@ -30,6 +30,19 @@ constexpr void fill_law(void (**out)(Block&, const LawArgs&)) {
   out[7] = law<S, Law, true, true, true>;
 }
 
+/// Forces in the order of LawForce.
+template <class S, class... Laws>
+constexpr void fill_laws(KernelTable& t) {
+  static_assert(8 * sizeof...(Laws) == sizeof t.law / sizeof t.law[0]);
+  int force = 0;
+  const auto fill = [&]<class Law>(Law) {
+    static_assert(Law::history + 1 <= k_max_history);
+    if (enum_word(static_cast<LawForce>(force)) != Law::name) throw "LawForce has another order";
+    fill_law<S, Law>(t.law + 8 * force++);
+  };
+  (fill(Laws{}), ...);
+}
+
 /// constexpr: the tables are constant-initialised, no instruction of a foreign set runs at program start.
 template <class S>
 constexpr KernelTable make_table() {
@@ -45,10 +58,7 @@ constexpr KernelTable make_table() {
   t.integrate[0] = integrate<S, false>;
   t.integrate[1] = integrate<S, true>;
   t.search = search_rows<S>;
-  fill_law<S, Linear>(t.law);
-  fill_law<S, HertzMindlin>(t.law + 8);
-  fill_law<S, Jkr>(t.law + 16);
-  fill_law<S, PartialSlip>(t.law + 24);
+  fill_laws<S, Linear, HertzMindlin, Jkr, PartialSlip>(t);
   t.trial = linear_trial<S>;
   t.scatter_limited = scatter_limited<S>;
   t.narrow_adhesive = narrow_adhesive<S>;

@@ -1,7 +1,6 @@
-// Rolling and twisting resistance, an addition to any contact law: the law has run, its force F and stiffness k_n of
-// the contact are known; this pass adds a moment M on i and -M on j. Instantiated by isa_*.cpp; called by
-// scheduler/nodes/add_ons.cpp for scenes that ask for it. With w = w_i - w_j, N the force that presses the surfaces
-// together as Coulomb's limit counts it (the elastic part; JKR: plus 3 pi w_a R*), R* the reduced radius (a wall: r):
+// Rolling and twisting resistance on top of any law, which has left its force and stiffness k_n: adds a moment M on i,
+// -M on j. Called by scheduler/nodes/add_ons.cpp. With w = w_i - w_j, N the force that presses the surfaces together as
+// Coulomb's limit counts it (the elastic part; JKR: plus 3 pi w_a R*), R* the reduced radius (a wall: r):
 //   constant directional torque ("cdt"):  M = -mu_r R* N w_r/|w_r|,  w_r = w - (w.n) n, but no more than stops the
 //     spin of the free pair within the step: the sign of a rounding error must not steer the full moment
 //   elastic-plastic spring-dashpot ("epsd", Ai et al. 2011, model C):  dM = -k_r w_r dt,  k_r = 9/4 k_n mu_r^2 R*^2,
@@ -9,10 +8,9 @@
 //     not; 1/I_r = 1/(7/5 m_i r_i^2) + 1/(7/5 m_j r_j^2)
 //   twisting:  the same spring, slider and dashpot about the normal:  dM = -k_t (w.n) dt,  k_t = 9/4 k_n mu_t^2 R*^2,
 //     |M| <= mu_t R* N, dashpot -2 eta_t sqrt(I_t k_t) (w.n),  1/I_t = 1/(2/5 m_i r_i^2) + 1/(2/5 m_j r_j^2)
-// k_n is the stiffness that the law reports: that of the spring, or the tangent stiffness 2 E* a of Hertz. Where it
-// varies, the stored moments shrink with it and do not grow with it (as the tangential force of the Hertz law): no
-// closed loop yields energy; increments come at its mean over the step while it grows, which makes the integral second
-// order. Springs turn, and dashpots act, from the instant of touch on (Block::slid), as in the laws.
+// k_n: of the spring, or the tangent stiffness 2 E* a of Hertz. Stored moments shrink with it and do not grow with it
+// (no closed loop yields energy); increments come at its mean over the step while it grows (second order). Springs turn
+// and dashpots act from the instant of touch on (Block::slid).
 // History: rolling moment [N m] (3 columns, oriented i - j; epsd), twisting moment about the own normal (1 column, the
 // same for both orientations), last stiffness (1 column; rescale), in this order.
 #pragma once

@@ -10,8 +10,7 @@
 //   slip:    at the two Gauss points s = x/a of the interval, the rings; each has the share of the stiffness, of the
 //            dashpot and of Coulomb's limit that belongs to its point, and slides as a contact of its own (linear.hpp)
 // Least squares, cutting off and sliding each take energy: no closed loop yields any. With both rings sliding the force
-// is mu F_n. Spins after an impact differ from those of the exact theory by at most 7 % (v_s = 0.35 mu v_n; 2 % from
-// mu v_n on), those of one spring for the whole contact by 40 %.
+// is mu F_n. Spins after an impact are within 7 % of the exact theory.
 // State of a contact: F = sum of the rings' forces, and D = 5 sum P2(s) force, the second Legendre coefficient of the
 // force per length times a; energy (F^2 + D^2/5)/(2 S_t).
 #pragma once

@@ -8,7 +8,6 @@
 
 #include "core/base/count.hpp"
 #include "scheduler/lists/rebuild.hpp"
-#include "scheduler/state/faults.hpp"
 #include "scheduler/state/step_failure.hpp"
 #include "scheduler/team/parallel.hpp"
 
@@ -53,7 +52,7 @@ struct LevelLimits {
 void set_skins(const Rules& rules, const Rows& rows, Lists& lists, const Chunk& c, const LevelLimits& limits,
                double slack, ChunkReach& out) {
   const SkinRule rule = lists.skin;
-  const double stretch = Faults(rules.options).stretch(lists.frame.stretch) * 1.000002;
+  const double stretch = (rules.hooks.stretch ? lists.frame.stretch : 1.0) * 1.000002;
   RowSkins skins(rules, rows, lists, c);
   for (Row i = c.lo; i < c.hi; ++i) {
     const double* x = rows.p.data() + 4L * i;

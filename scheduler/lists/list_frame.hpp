@@ -13,13 +13,13 @@ struct ListFrame {
   std::int64_t built = 0;           ///< step of the rebuild
   Row rows = 0;                     ///< rows it has seen
   double life = 1e300;              ///< the lists hold no longer than this [s]
-  double stretch = 1;               ///< velocity_profile: factor of reaches
-  double rounding = 0;              ///< velocity_profile: what to add to them for drifts in single precision [m]
-  double common_speed = 0;          ///< global_velocity: largest speed [m/s]
+  double stretch = 1;               ///< factor of reaches, see Policy::stretch
+  double rounding = 0;              ///< what to add to them for drifts in single precision [m]
+  double common_speed = 0;          ///< largest speed [m/s]
   double mean_skin = 0;             ///< of its diameter, over particles
-  double travelled = 0;             ///< accumulated: sum of the largest travels [m]
-  alignas(16) float drift[4] = {};  ///< mean_subtracted: the mean velocity [m/s]
-  bool noted = false;               ///< displacement_history: Lists::next_skin is that of the rebuild to come
+  double travelled = 0;             ///< sum of the largest travels of the steps [m]
+  alignas(16) float drift[4] = {};  ///< of all rows, where none has its own [m/s]
+  bool noted = false;               ///< Lists::next_skin is that of the rebuild to come
 };
 
 /// The last rebuilds, thinned: when full, every second entry goes and from then on only half as many are taken.

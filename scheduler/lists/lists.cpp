@@ -1,11 +1,13 @@
 // See lists.hpp.
 #include "scheduler/lists/lists.hpp"
 
+#include <string>
+
 namespace talus {
 
 Lists::Lists(const Rules& rules, const SkinRule& rule, Columns& columns) : skin(rule) {
   tuner.prepare(rules, skin);
-  const auto row = [](const char* name, const char* why, bool in, double last) {
+  const auto row = [](const char* name, const std::string& why, bool in, double last) {
     ColumnInfo i;
     i.name = name;
     i.unit = "m";
@@ -17,22 +19,20 @@ Lists::Lists(const Rules& rules, const SkinRule& rule, Columns& columns) : skin(
     return i;
   };
   columns.add(row("x0", "reference position and skin of the list", true, 1e300), x0);
-  const bool cuts = skin.cuts();
-  columns.add(row("outer", cuts ? "list.policy outer_inner" : "no outer list", cuts, 0), outer);
-  columns.add(row("near", cuts ? "list.policy outer_inner" : "no outer list", cuts, 0), near);
-  const bool profile = skin.policy == ListPolicy::velocity_profile;
-  ColumnInfo d =
-      row("drift", profile ? "list.policy velocity_profile" : "displacements count from x0 itself", profile, 0);
+  const Policy& policy = *skin.policy;
+  const std::string of_policy = "list.policy " + policy.name();
+  columns.add(row("outer", policy.cuts ? of_policy : "no outer list", policy.cuts, 0), outer);
+  columns.add(row("near", policy.cuts ? of_policy : "no outer list", policy.cuts, 0), near);
+  ColumnInfo d = row("drift", policy.row_drift ? of_policy : "displacements count from x0 itself", policy.row_drift, 0);
   d.unit = "m/s";
   d.dead = {0};
   columns.add(d, drift);
-  const bool past = skin.policy == ListPolicy::displacement_history;
   ColumnInfo s;
   s.name = "next_skin";
   s.label = "next skin";
   s.unit = "m";
-  s.why = past ? "list.policy displacement_history" : "the skins need no past";
-  s.in = past;
+  s.why = policy.past ? of_policy : "the skins need no past";
+  s.in = policy.past;
   s.dead = {-1};
   columns.add(s, next_skin);
 }

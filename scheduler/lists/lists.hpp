@@ -8,9 +8,9 @@
 
 #include "core/base/columns.hpp"
 #include "core/base/types.hpp"
-#include "core/rules/skin.hpp"
 #include "kernels/views.hpp"
 #include "scheduler/lists/list_frame.hpp"
+#include "scheduler/lists/skin.hpp"
 #include "scheduler/lists/tuner.hpp"
 #include "scheduler/state/contacts.hpp"
 #include "scheduler/state/rules.hpp"
@@ -29,10 +29,10 @@ struct CellGrid {
 
 struct Lists {
   Column<double> x0;         ///< {x, y, z at the rebuild, skin^2}
-  Column<float> drift;       ///< [4 n] only with velocity_profile: {u, 0}, the profile's at x0 [m/s]
-  Column<double> outer;      ///< [4 n] only with outer_inner: {x, y, z at the outer list, its skin}
+  Column<float> drift;       ///< [4 n] only with Policy::row_drift: {u, 0}, the profile's at x0 [m/s]
+  Column<double> outer;      ///< [4 n] only with Policy::cuts: {x, y, z at the outer list, its skin}
   Column<double> near;       ///< [4 n] the same: {x, y, z, reach in the inner list}
-  Column<double> next_skin;  ///< only with displacement_history [m]; -1: no past
+  Column<double> next_skin;  ///< only with Policy::past [m]; -1: no past
   SkinRule skin;
   ListFrame frame;
   SkinTuner tuner;

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "scheduler/state/faults.hpp"
 #include "scheduler/team/parallel.hpp"
 
 namespace talus {
@@ -167,7 +166,7 @@ void wall_candidates(const Rules& rules, const Rows& rows, const Lists& lists, c
     if (!rows.is_alive(i) || (rules.has.fixed && rows.fixed[i] != 0)) continue;
     const std::size_t before = c.wall.element.size();
     const double own = lists.skin.cuts() ? lists.outer[4L * i + 3]
-                                         : __builtin_sqrt(lists.x0[4L * i + 3]) / Faults(rules.options).skin();
+                                         : __builtin_sqrt(lists.x0[4L * i + 3]) / rules.hooks.skin;
     const double skin = lists.skin.to_walls(own) + drift_reach(lists, i);
     const Vec3 at{rows.p[4L * i], rows.p[4L * i + 1], rows.p[4L * i + 2]};
     const double radius = rows.p[4L * i + 3] + 2 * lists.skin.range(rows.p[4L * i + 3]);
@@ -225,7 +224,7 @@ void rebuild_lists(const Rules& rules, const Clock& clock, const Rows& rows, Con
   fill_cells(rules, rows, contacts, lists, walls, team);
   if (rules.has.walls)
     walls.mark(wall_k(rules, lists), rules.scene.dt, 0.0,
-               rules.scene.list.policy == ListPolicy::always ? 0.0 : 0.5 * rules.r_min);
+               lists.skin.policy->skin == Policy::Skin::none ? 0.0 : 0.5 * rules.r_min);
   for_chunks(team, contacts, [&](Chunk& c) {
     PartClock parts(c.rebuild_seconds);
     c.result.travel[0] = c.result.travel[1] = 0;

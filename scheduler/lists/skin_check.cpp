@@ -4,54 +4,23 @@
 #include <algorithm>
 #include <vector>
 
-#include "scheduler/lists/velocity_profile.hpp"
-#include "scheduler/state/faults.hpp"
 #include "scheduler/team/parallel.hpp"
 
 namespace talus {
 
 namespace {
 
-constexpr double k_shrink = 0.9;  // of a skin that was not used up, per rebuild (Yade's number)
-constexpr Row k_neighbours = 64;  // rows lie in Morton order: 64 of them fill a compact part of space
-
 /// Squared length [m2] of the minimum image of d.
 double image2(const Rules& rules, const Vec3& d) { return norm2(rules.scene.domain.box().nearest_of_any(d)); }
 
 }  // namespace
-
-double SkinSpeeds::operator()(Row i, const double* v, double speed2) {
-  switch (lists_.skin.policy) {
-    case ListPolicy::global_velocity:
-      return lists_.frame.common_speed;
-    case ListPolicy::mean_subtracted:
-    case ListPolicy::velocity_profile:
-      return norm(Vec3{v[0], v[1], v[2]} - lists_.drift_of(i));
-    case ListPolicy::neighbourhood: {
-      if (i < block_end_) return block_;
-      block_end_ = std::min<Row>(c_.hi, (i / k_neighbours + 1) * k_neighbours);
-      double largest = 0;
-      for (Row k = i; k < block_end_; ++k) {
-        const double* u = rows_.v.data() + static_cast<long>(rows_.stride) * k;
-        if (rows_.is_alive(k)) largest = fmax2(largest, (u[0] * u[0] + u[1] * u[1]) + u[2] * u[2]);
-      }
-      return block_ = __builtin_sqrt(largest);
-    }
-    case ListPolicy::displacement_history: {
-      const double length = lists_.next_skin[static_cast<std::size_t>(i)];
-      return length >= 0 ? length : lists_.skin.k_dt * __builtin_sqrt(speed2);
-    }
-    default:
-      return __builtin_sqrt(speed2);
-  }
-}
 
 RowSkins::RowSkins(const Rules& rules, const Rows& rows, const Lists& lists, const Chunk& c)
     : rules_(rules),
       rows_(rows),
       lists_(lists),
       rule_(lists.skin),
-      speed_(rows, lists, c),
+      query_{rows, lists, c},
       acceleration_(lists.skin.acceleration_on && rows.velocity_at_old_step),
       inverse_dt_(1.0 / rules.scene.dt) {}
 
@@ -65,11 +34,12 @@ double RowSkins::operator()(Row i) {
     const double d[3] = {v[0] - u[0], v[1] - u[1], v[2] - u[2]};
     a = __builtin_sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]) * inverse_dt_;
   }
-  return rule_(x[3], speed_(i, v, speed2), a);
+  const auto speed = rule_.policy->speed;
+  return rule_(x[3], speed != nullptr ? speed(query_, i, v, speed2) : __builtin_sqrt(speed2), a);
 }
 
 void set_reference(const Rules& rules, const Rows& rows, Lists& lists, Row i, double skin) {
-  const double stored = Faults(rules.options).skin() * skin;
+  const double stored = rules.hooks.skin * skin;
   const double* x = rows.p.data() + 4L * i;
   double* ref = lists.x0.data() + 4L * i;
   for (int k = 0; k < 3; ++k) ref[k] = x[k];
@@ -78,34 +48,8 @@ void set_reference(const Rules& rules, const Rows& rows, Lists& lists, Row i, do
 
 void note_displacements(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts,
                         Lists& lists, Team& team) {
-  if (lists.skin.policy != ListPolicy::displacement_history || lists.frame.noted) return;
-  lists.frame.noted = true;
-  const double stored_scale = Faults(rules.options).skin();
-  const std::int64_t elapsed = std::max<std::int64_t>(1, clock.step - lists.frame.built);
-  const double steps_ahead = lists.skin.k_dt / (rules.scene.dt * static_cast<double>(elapsed));
-  parallel(team, static_cast<int>(contacts.chunks.size()), [&](int q) {
-    const Chunk& c = *contacts.chunks[static_cast<std::size_t>(q)];
-    for (Row i = c.lo; i < c.hi; ++i) {
-      double& next = lists.next_skin[static_cast<std::size_t>(i)];
-      const double *x = rows.p.data() + 4L * i, *ref = lists.x0.data() + 4L * i;
-      next = -1;  // no past
-      if (i >= lists.frame.rows || !(x[0] < k_far) || !(ref[3] < k_far)) continue;
-      const double travel = __builtin_sqrt(distance2(rules, x, ref));
-      next = fmax2(k_shrink * (__builtin_sqrt(ref[3]) / stored_scale), travel * steps_ahead);
-    }
-  });
+  if (const auto note = lists.skin.policy->note) note(rules, clock, rows, contacts, lists, team);
 }
-
-namespace {
-
-void prepare_profile(const Rules& rules, const Rows& rows, const Contacts& contacts, Lists& lists, Team& team) {
-  lists.frame.life = lists.skin.k_dt;
-  const double fastest = fit_velocity_profile(rules, rows, contacts, lists, team, lists.frame.life);
-  lists.frame.rounding = 6e-8 * fastest * lists.frame.life;
-  if (rules.has.walls && fastest > 0) lists.frame.life = fmin2(lists.frame.life, lists.skin.drift_travel / fastest);
-}
-
-}  // namespace
 
 void prepare_skins(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts, Lists& lists,
                    Team& team) {
@@ -113,35 +57,7 @@ void prepare_skins(const Rules& rules, const Clock& clock, const Rows& rows, con
   lists.frame = {};
   lists.frame.built = clock.step;
   lists.frame.rows = rows.n;
-  const bool mean = lists.skin.policy == ListPolicy::mean_subtracted;
-  if (lists.skin.policy == ListPolicy::velocity_profile) return prepare_profile(rules, rows, contacts, lists, team);
-  if (!mean && lists.skin.policy != ListPolicy::global_velocity) return;
-  struct alignas(64) Part {
-    Vec3 sum;
-    double fastest = 0;
-  };
-  std::vector<Part> parts(contacts.chunks.size());
-  parallel(team, static_cast<int>(contacts.chunks.size()), [&](int q) {
-    const Chunk& c = *contacts.chunks[static_cast<std::size_t>(q)];
-    Part& part = parts[static_cast<std::size_t>(q)];
-    for (Row i = c.lo; i < c.hi; ++i) {
-      if (!rows.is_alive(i)) continue;
-      const double* u = rows.v.data() + static_cast<long>(rules.stride) * i;
-      const Vec3 v{u[0], u[1], u[2]};
-      part.sum = part.sum + v;
-      part.fastest = fmax2(part.fastest, norm2(v));
-    }
-  });
-  Part all;
-  for (const Part& p : parts) {
-    all.sum = all.sum + p.sum;
-    all.fastest = fmax2(all.fastest, p.fastest);
-  }
-  lists.frame.common_speed = __builtin_sqrt(all.fastest);
-  if (!mean) return;
-  const Vec3 u = (1.0 / fmax2(1, static_cast<double>(rows.alive))) * all.sum;
-  for (int k = 0; k < 3; ++k) lists.frame.drift[k] = static_cast<float>(u[k]);
-  if (rules.has.walls && norm(u) > 0) lists.frame.life = lists.skin.drift_travel / norm(u);
+  if (const auto prepare = lists.skin.policy->prepare) prepare(rules, rows, contacts, lists, team);
 }
 
 double distance2(const Rules& rules, const double* x, const double* y) {
@@ -167,11 +83,11 @@ double drift_reach(const Lists& lists, Row i) {
 }
 
 void travel_chunk(const Rules& rules, const Rows& rows, const Lists& lists, Chunk& c) {
-  const ListPolicy policy = lists.skin.policy;
+  const Policy::Check check = lists.skin.policy->check;
   c.result.travel[0] = c.result.travel[1] = 0;
   c.result.expired = 0;
-  if (policy == ListPolicy::fixed) return;
-  const double* ref = policy == ListPolicy::accumulated ? rows.p.data() : lists.x0.data();
+  if (check == Policy::Check::none) return;
+  const double* ref = check == Policy::Check::largest_of_step ? rows.p.data() : lists.x0.data();
   double first = 0, second = 0;
   bool left = false;
   for (Row i = c.lo; i < c.hi; ++i) {
@@ -188,7 +104,7 @@ void travel_chunk(const Rules& rules, const Rows& rows, const Lists& lists, Chun
 }
 
 void note_travel(const Contacts& contacts, Lists& lists) {
-  if (lists.skin.policy != ListPolicy::accumulated) return;
+  if (lists.skin.policy->check != Policy::Check::largest_of_step) return;
   double largest = 0;
   for (const auto& c : contacts.chunks) largest = fmax2(largest, c->result.travel[0]);
   lists.frame.travelled += largest;
@@ -196,27 +112,19 @@ void note_travel(const Contacts& contacts, Lists& lists) {
 
 bool lists_expired(const Rules& rules, const Clock& clock, const Contacts& contacts, const Lists& lists,
                    const WallSet& walls) {
-  if (lists.skin.policy == ListPolicy::always) return true;
-  if (lists.skin.policy == ListPolicy::fixed) return clock.step % rules.scene.list.interval == 0;
+  const Policy& policy = *lists.skin.policy;
+  if (policy.by_step != nullptr) return policy.by_step(rules, clock);
   if (rules.has.moving_walls && walls.expired()) return true;
-  const double fault = Faults(rules.options).skin();
+  const double fault = rules.hooks.skin;
   if (static_cast<double>(clock.step - lists.frame.built) * rules.scene.dt > fault * lists.frame.life) return true;
   if (lists.any_expired.load(std::memory_order_relaxed)) return true;
-  if (!lists.skin.own_check()) return false;
+  if (policy.used_up == nullptr) return false;
   double first = 0, second = 0;
   for (const auto& c : contacts.chunks) {
     second = fmax2(second, fmax2(c->result.travel[1], fmin2(first, c->result.travel[0])));
     first = fmax2(first, c->result.travel[0]);
   }
-  const double skin = fault * lists.skin.uniform;
-  switch (lists.skin.policy) {
-    case ListPolicy::two_largest:
-      return first + second > 2 * skin;
-    case ListPolicy::accumulated:
-      return lists.frame.travelled > skin;
-    default:
-      return false;
-  }
+  return policy.used_up(lists, first, second, fault * lists.skin.uniform);
 }
 
 }  // namespace talus

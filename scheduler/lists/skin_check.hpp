@@ -1,30 +1,16 @@
-// Validity of the pair lists between rebuilds, for every list policy (core/rules/skin.hpp). Who calls it:
+// Validity of the pair lists between rebuilds, for every list policy (scheduler/lists/policies). Who calls it:
 // displacement_check and rebuild nodes (lists_expired), integrate_chunk (travel_chunk), finish_step (note_travel),
-// rebuild_lists (prepare_skins), set_skins (SkinSpeeds). Invariants: I1, I2. Policies that the integration kernel's own
+// rebuild_lists (prepare_skins), set_skins (RowSkins). Invariants: I1, I2. Policies that the integration kernel's own
 // check serves (SkinRule::own_check() false) pay for nothing here.
 #pragma once
 
 #include "core/base/types.hpp"
-#include "core/rules/skin.hpp"
 #include "core/walls/walls.hpp"
 #include "scheduler/lists/lists.hpp"
+#include "scheduler/lists/skin.hpp"
 #include "scheduler/team/team.hpp"
 
 namespace talus {
-
-/// The speed that a particle's skin is made from; displacement_history: the length.
-class SkinSpeeds {
- public:
-  SkinSpeeds(const Rows& rows, const Lists& lists, const Chunk& c) : rows_(rows), lists_(lists), c_(c) {}
-  double operator()(Row i, const double* v, double speed2);
-
- private:
-  const Rows& rows_;
-  const Lists& lists_;
-  const Chunk& c_;
-  Row block_end_ = -1;
-  double block_ = 0;
-};
 
 /// The skin of each row of a chunk for lists that are made now.
 class RowSkins {
@@ -38,7 +24,7 @@ class RowSkins {
   const Rows& rows_;
   const Lists& lists_;
   SkinRule rule_;
-  SkinSpeeds speed_;
+  SpeedQuery query_;
   bool acceleration_;
   double inverse_dt_;
 };
@@ -46,8 +32,7 @@ class RowSkins {
 /// Displacements of row i count from here, up to `skin` [m].
 void set_reference(const Rules& rules, const Rows& rows, Lists& lists, Row i, double skin);
 
-/// displacement_history: what each row's skin should be, from what it has travelled since the last rebuild. Once per
-/// rebuild, while x0 and the rows are still those of the last one: before a sort epoch.
+/// Policy::note, where the policy has one.
 void note_displacements(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts,
                         Lists& lists, Team& team);
 void prepare_skins(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts, Lists& lists,

@@ -158,7 +158,7 @@ SkinTuner::Use SkinTuner::used_skins(const Rules& rules, const Clock& clock, con
   });
   Use all;
   for (const Use& u : parts) all.add(u);
-  if (lists.skin.policy == ListPolicy::velocity_profile)
+  if (lists.skin.policy->ages)
     all.life2 = square(static_cast<double>(clock.step - lists.frame.built) * rules.scene.dt / lists.skin.k_dt);
   return all;
 }
@@ -229,7 +229,7 @@ void SkinTuner::choose(const Rules& rules, Lists& lists, const Use& use, double 
   double ideal = __builtin_sqrt(rebuild * steps / slope);
   // the share that rebuilds should keep to, where that is near
   const double longer = step_.value() > 0 ? rebuild * (1 - k_share) / (k_share * step_.value()) : 0;
-  if (lists.skin.policy == ListPolicy::velocity_profile)
+  if (lists.skin.policy->ages)
     ideal = fmax2(ideal, fmin2(longer, k_longer_profile * ideal));
   else if (longer > ideal && longer < k_longer * ideal)
     ideal = longer;

@@ -44,7 +44,7 @@ void configure_add_ons(Rules& rules) {
   Features& h = rules.has;
   h.moments = scene.contact.rolling != Rolling::none || scene.contact.twisting;
   h.cohesion = scene.contact.cohesion != Cohesion::none;
-  h.adhesion = scene.contact.model == ContactModel::jkr;
+  h.adhesion = law_of(scene).adhesion != nullptr;
   if (h.moments && !h.rotation)
     throw Error(ErrorCode::scene, "rolling and twisting resistance need friction: without it no grain rotates",
                 scene.file, "contact.friction > 0");

@@ -6,7 +6,6 @@
 
 #include "scheduler/nodes/add_ons.hpp"
 #include "scheduler/nodes/contact_blocks.hpp"
-#include "scheduler/state/faults.hpp"
 
 namespace talus {
 
@@ -45,12 +44,9 @@ void force_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Colum
   const std::int64_t total = c.contacts.end[2];
   std::int64_t both_from = c.contacts.end[0], both_to = c.contacts.end[1];
   double* f = s.f.data() - static_cast<std::ptrdiff_t>(rules.stride) * c.lo;
-  const Faults faults(rules.options);
-  std::vector<std::int64_t> faulty;
-  if (faults.reorders()) {
-    faulty = faults.order(c.contacts, both_from, both_to);
+  if (rules.hooks.reorder != nullptr) {
     blocks.settle_history();
-    permute_contacts(rules.has.history_columns, c, faulty);
+    rules.hooks.reorder(rules.has.history_columns, c, both_from, both_to, false);
   }
   ahead.spread_over(total);
   for (std::int64_t k0 = 0; k0 < total; k0 += k_block) {
@@ -77,9 +73,8 @@ void force_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Colum
     if (rules.has.energies) scatter_energy(energy, s.ci.data() + k0, s.cj.data() + k0, n, from, to, buffers.e);
   }
   blocks.keep_history();
-  if (!faulty.empty()) {  // the history goes back into list order: only the order of the sums was wrong
-    permute_contacts(rules.has.history_columns, c, inverse(faulty));
-  }
+  // the history goes back into list order: only the order of the sums was wrong
+  if (rules.hooks.reorder != nullptr) rules.hooks.reorder(rules.has.history_columns, c, both_from, both_to, true);
 }
 
 }  // namespace talus

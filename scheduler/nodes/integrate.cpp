@@ -5,7 +5,6 @@
 #include "scheduler/nodes/add_ons.hpp"
 #include "scheduler/nodes/body_motion.hpp"
 #include "scheduler/nodes/monitor.hpp"
-#include "scheduler/state/faults.hpp"
 
 namespace talus {
 
@@ -101,7 +100,7 @@ void integrate_chunk(const Rules& rules, const Clock& clock, Rows& rows, const L
   a.loss = rules.has.energies && a.local != 0 ? energy.data() : nullptr;
   a.unstable = rules.bounds.unstable;
   a.out = c.result.out.data();
-  Faults(rules.options).spoil_force(clock.step, c.index, s.f.data());
+  if (rules.hooks.spoil != nullptr) rules.hooks.spoil(clock.step, c, s.f.data());
   if (rules.has.bodies) {
     integrate_runs(rules, rows, a, c);
     move_bodies(rules, clock, rows, lists, energy, c);

@@ -1,9 +1,9 @@
 // Part "tracer": a passive scalar c of each grain. A source gives it to its grains, contacts mix it:
 //   dc_i/dt = rate * sum over the contacts of i (c_j - c_i)   [explicit Euler, step dt]
 // What one grain gains its partner loses, to the bit of each term. Meant to be read as the example of a part: a column,
-// a pass over contacts, a node at the end of the step, numbers for the time series, a ledger that a checkpoint keeps.
-// Invariants: I3 (terms of a grain are added in list order, as forces are), I7 (a chunk writes its own rows of
-// `next_`).
+// a pass over contacts, one over rows, a node at the end of the step, numbers for the time series, a ledger that a
+// checkpoint keeps. Invariants: I3 (terms of a grain are added in list order, as forces are), I7 (a chunk writes its
+// own rows of `next_`).
 #include <algorithm>
 #include <cstring>
 
@@ -42,7 +42,13 @@ class Tracer final : public Part {
              {{"tracer", true}, {"contacts"}},
              {{"next tracer"}},
              1,
-             [this](const PartView& w, const Chunk& c) { mix(w, c); }},
+             [this](const PartView&, const Chunk& c) { add_differences(c); }},
+            {"tracer_rate",
+             PartNode::When::rows,
+             {{"tracer"}, {"next tracer"}},
+             {{"next tracer"}},
+             1,
+             [this](const PartView& w, const Chunk& c) { advance(w, c); }},
             {"tracer_step",
              PartNode::When::step,
              {{"next tracer"}},
@@ -88,9 +94,9 @@ class Tracer final : public Part {
     double inserted = 0, removed = 0;
   };
 
-  void mix(const PartView& w, const Chunk& c) {
+  void add_differences(const Chunk& c) {
     const Scratch& s = *c.scratch;
-    const double *now = now_.data(), k = w.rules.scene.dt * scene_.tracer_rate;
+    const double* now = now_.data();
     double* sum = next_.data();
     std::fill(sum + c.lo, sum + c.hi, 0.0);
     for (std::int64_t q = 0; q < c.contacts.end[2]; ++q) {
@@ -98,7 +104,12 @@ class Tracer final : public Part {
       sum[i] = sum[i] + (now[j] - now[i]);
       if (q >= c.contacts.end[0] && q < c.contacts.end[1]) sum[j] = sum[j] + (now[i] - now[j]);  // both are its own
     }
-    for (Row i = c.lo; i < c.hi; ++i) sum[i] = now[i] + k * sum[i];
+  }
+
+  void advance(const PartView& w, const Chunk& c) {
+    const double k = w.rules.scene.dt * scene_.tracer_rate;
+    for (auto i = static_cast<std::size_t>(c.lo); i < static_cast<std::size_t>(c.hi); ++i)
+      next_[i] = now_[i] + k * next_[i];
   }
 
   /// Over blocks of 1024 rows (I3).

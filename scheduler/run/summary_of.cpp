@@ -1,6 +1,8 @@
 // Summary of a run; see summary_of.hpp.
 #include "scheduler/run/summary_of.hpp"
 
+#include "scheduler/lists/policies/policy.hpp"
+
 namespace talus {
 
 Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
@@ -23,7 +25,7 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   s.particle_steps_per_s = facts.wall_s > 0 ? facts.particle_steps / facts.wall_s : 0;
   for (const NodeTime& n : simulation.profile().nodes) s.nodes.push_back({n.node, n.calls, n.seconds});
   s.rebuilds = c.rebuilds;
-  if (scene.list.policy == ListPolicy::outer_inner) s.cuts = c.cuts;
+  if (policy_of(scene.list.policy).cuts) s.cuts = c.cuts;
   s.rebuilds_skin = c.rebuilds_skin;
   s.rebuilds_forced = c.rebuilds_forced;
   s.shortest_interval = c.shortest_interval;

@@ -8,6 +8,7 @@
 #include "core/rules/timestep.hpp"
 #include "core/scene/scene.hpp"
 #include "kernels/kernel_table.hpp"
+#include "scheduler/state/hooks.hpp"
 
 namespace talus {
 
@@ -48,6 +49,7 @@ struct StepBounds {
 struct Rules {
   Scene scene;
   RunOptions options;
+  Hooks hooks;
   Features has;
   const KernelTable* kernels = nullptr;
   std::string isa_why;
@@ -61,9 +63,8 @@ struct Rules {
   int pair_index(int a, int b) const { return a * static_cast<int>(scene.materials.size()) + b; }
   /// History column q changes sign when the partners of a contact are swapped.
   bool flips(int q) const {
-    // the tangential spring, and the second part of partial slip; scalars are the same for both
-    if (q < has.law_columns) return has.rotation && (q < 3 || (scene.contact.partial_slip && q > 3 && q < 7));
-    return ((law.moment_flips >> (q - has.law_columns)) & 1U) != 0;
+    if (q >= has.law_columns) return ((law.moment_flips >> (q - has.law_columns)) & 1U) != 0;
+    return has.rotation && ((law.info->flips >> q) & 1U) != 0;
   }
   /// The arguments of the laws in step n.
   LawArgs law_args(std::int64_t n) const {

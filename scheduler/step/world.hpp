@@ -15,7 +15,7 @@
 #include "scheduler/state/contacts.hpp"
 #include "scheduler/state/ledger.hpp"
 #include "scheduler/state/rows.hpp"
-#include "scheduler/state/start.hpp"
+#include "scheduler/step/start.hpp"
 #include "scheduler/team/team.hpp"
 
 namespace talus {

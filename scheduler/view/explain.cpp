@@ -78,8 +78,8 @@ Plan plan_of(const World& w) {
   p.law = law_text(w);
   p.isa = w.rules.kernels->name;
   p.isa_why = w.rules.isa_why;
-  p.policy = policy_text(w.rules.scene.list.policy).name;
-  p.guarantee = policy_text(w.rules.scene.list.policy).guarantee;
+  p.policy = w.lists.skin.policy->name();
+  p.guarantee = w.lists.skin.policy->guarantee;
   p.threads = w.rules.threads;
   p.chunk = w.contacts.chunk_size;
   p.chunks = w.contacts.count();

@@ -71,6 +71,18 @@ TEST_F(Install, CompletionsKnowCommandsOptionsKeysAndTopics) {
   EXPECT_EQ(completed("talus run my-sc"), "my-scene.toml");
 }
 
+TEST_F(Install, ZshCompletesCommandsOptionsKeysAndTopics) {
+  ASSERT_EQ(shell("command -v zsh"), 0) << "zsh is among the packages of cases/install.sh";
+  ASSERT_EQ(shell("/usr/bin/python3 " TALUS_SOURCE_DIR "/tests/cli/zsh_complete.py moved/share/zsh/vendor-completions "
+                  "'talus ru' 'talus run --thr' 'talus check --resu' 'talus run x.toml --set source.0.size.dia' "
+                  "'talus run x.toml --set contact.fric' 'talus run --isa avx5' 'talus help outp'"),
+            0)
+      << read("log");
+  EXPECT_EQ(read("log"),
+            "talus run \ntalus run --threads \ntalus check --resu\ntalus run x.toml --set source.0.size.diameter=\n"
+            "talus run x.toml --set contact.friction\ntalus run --isa avx512 \ntalus help output \n");
+}
+
 TEST_F(Cli, TheReferenceHasEveryKeyColumnFileAndCommand) {
   const std::string text = talus({"help", "reference"}).out, man = talus({"help", "man"}).out;
   ASSERT_EQ(talus({"help", "output"}).exit_code, 0);

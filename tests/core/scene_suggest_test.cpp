@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -73,6 +74,65 @@ TEST(SuggestKey, EveryKeyWithAWrongLetterOrTwoSwappedIsFoundAgainInItsSection) {
     EXPECT_EQ(suggested(wrong), full_name(key));
     EXPECT_EQ(suggested(swapped), full_name(key)) << swapped;
   }
+}
+
+std::string choice_for(const char* section, const char* name, const char* word) {
+  const SceneKey* key = find_scene_key(section, name);
+  if (key == nullptr) return "no such key";
+  std::vector<std::string> words;
+  for (const std::string_view w : split_words(key->choices, ", ")) words.emplace_back(w);
+  return choice_hint(word, words, key->meanings);
+}
+
+TEST(ChoiceHint, LooksAtTheMeaningFirstAndAtLettersOnlyWhereFewAreWrong) {
+  struct {
+    const char *section, *name, *word, *meant;
+  } const cases[] = {
+      {"source.size", "kind", "single", "constant"},
+      {"source.size", "kind", "Monodisperse", "constant"},
+      {"source.size", "kind", "gaussian", "normal"},
+      {"source.size", "kind", "log-normal", "lognormal"},
+      {"source.size", "kind", "histogram", "sieve"},
+      {"source.size", "kind", "sive", "sieve"},
+      {"contact", "model", "hertz", "hertz_mindlin"},
+      {"contact", "model", "tsuji", "hertz_tsuji"},
+      {"contact", "model", "hooke", "linear"},
+      {"contact", "model", "linear_spring", "linear"},
+      {"contact", "model", "Hertz-Mindlin", "hertz_mindlin"},
+      {"contact", "model", "JKR", "jkr"},
+      {"contact", "rolling", "off", "none"},
+      {"domain", "boundary", "perodic", "periodic"},
+      {"domain", "boundary", "reflect", "wall"},
+      {"wall", "shape", "floor", "plane"},
+      {"wall", "shape", "pipe", "cylinder"},
+      {"wall", "shape", "STL", "mesh"},
+      {"event", "action", "delete", "remove"},
+      {"source", "kind", "rain", "stream"},
+      {"", "integrator", "verlet", "velocity_verlet"},
+      {"source.region", "shape", "ball", "sphere"},
+      {"source.size", "kind", "zzzzzz", ""},
+      {"source.size", "kind", "signed", ""},
+      {"wall", "shape", "torus", ""},
+      {"contact", "model", "", ""},
+  };
+  for (const auto& c : cases) {
+    const std::string hint = choice_for(c.section, c.name, c.word), meant = c.meant;
+    EXPECT_EQ(hint, meant.empty() ? "" : " (did you mean '" + meant + "'?)")
+        << c.section << "." << c.name << " = " << c.word;
+  }
+}
+
+TEST(ChoiceHint, EveryMeaningIsOneOfTheChoicesAndNoChoiceItself) {
+  int seen = 0;
+  for (const SceneKey& key : scene_keys())
+    for (const Meaning& m : key.meanings) {
+      const auto words = split_words(key.choices, ", ");
+      const auto is_one = [&](std::string_view w) { return std::find(words.begin(), words.end(), w) != words.end(); };
+      EXPECT_TRUE(is_one(m.choice)) << full_name(key) << ": " << m.choice;
+      EXPECT_FALSE(is_one(m.word)) << full_name(key) << ": " << m.word;
+      ++seen;
+    }
+  EXPECT_GT(seen, 50);
 }
 
 TEST(SuggestKey, AliasesNameKeysThatExist) {

@@ -4,15 +4,19 @@
 
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
+#include "tests/faults.hpp"
 
 namespace talus::determinism {
 namespace {
 
-std::uint64_t hash_with_fault(const Scene& scene, int fault, int chunk) {
+using faults::Fault;
+using faults::SeededFault;
+
+std::uint64_t hash_with_fault(const Scene& scene, Fault fault, int chunk) {
   RunOptions options;
   options.threads = 1;
   options.chunk = chunk;
-  options.seeded_fault = fault;
+  const SeededFault seeded(fault);
   Simulation sim(scene, options);
   sim.run(k_steps);
   return sim.state_hash();
@@ -22,20 +26,22 @@ class Control : public testing::TestWithParam<NamedScene> {};
 
 TEST_P(Control, BorderPairsAfterTheInteriorGiveAnotherHashPerChunkSize) {
   const Scene scene = GetParam().build();
-  const std::uint64_t right = hash_with_fault(scene, 0, 64);
-  EXPECT_EQ(hash_with_fault(scene, 0, 257), right);
-  const std::uint64_t a = hash_with_fault(scene, 1, 64), b = hash_with_fault(scene, 1, 257);
+  const std::uint64_t right = hash_with_fault(scene, Fault::none, 64);
+  EXPECT_EQ(hash_with_fault(scene, Fault::none, 257), right);
+  const std::uint64_t a = hash_with_fault(scene, Fault::border_order, 64),
+                      b = hash_with_fault(scene, Fault::border_order, 257);
   EXPECT_NE(a, right);
   EXPECT_NE(b, right);
   EXPECT_NE(a, b);
   // One chunk has no borders: there the fault is none.
-  EXPECT_EQ(hash_with_fault(scene, 1, 4096), right);
+  EXPECT_EQ(hash_with_fault(scene, Fault::border_order, 4096), right);
 }
 
 TEST_P(Control, ContactsInOrderOfArrivalGiveAnotherHash) {
   const Scene scene = GetParam().build();
-  const std::uint64_t right = hash_with_fault(scene, 0, 64);
-  const std::uint64_t a = hash_with_fault(scene, 2, 64), b = hash_with_fault(scene, 2, 4096);
+  const std::uint64_t right = hash_with_fault(scene, Fault::none, 64);
+  const std::uint64_t a = hash_with_fault(scene, Fault::contact_order, 64),
+                      b = hash_with_fault(scene, Fault::contact_order, 4096);
   EXPECT_NE(a, right);
   EXPECT_NE(b, right);
   EXPECT_NE(a, b);
@@ -47,12 +53,12 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Control, testing::ValuesIn(scenes()),
 // The faults reorder sums and nothing else: after one contact-rich step the state agrees to rounding.
 TEST(ControlFault, ChangesNothingButTheOrderOfSums) {
   const Scene scene = sheared_bed();
-  for (int fault = 1; fault <= 2; ++fault) {
+  for (const Fault fault : {Fault::border_order, Fault::contact_order}) {
     RunOptions options;
     options.threads = 1;
     options.chunk = 64;
     Simulation right(scene, options);
-    options.seeded_fault = fault;
+    const SeededFault seeded(fault);
     Simulation wrong(scene, options);
     right.run(200);
     wrong.run(200);

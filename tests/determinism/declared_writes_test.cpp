@@ -143,9 +143,9 @@ TEST(StepTable, ChunkNodesWriteWhatTheyDeclareAndOnlyTheirOwnChunk) {
     EXPECT_FALSE(w.team.failure.any());
     EXPECT_EQ(looked.state_hash(), plain.state_hash()) << s.title << ": these were the steps of a run";
   }
-  for (const char* what :
-       {"narrow_phase: mask", "contact_force: history", "contact_force: force rows", "contact_force: energy rows",
-        "wall_contact: wall history", "integrate: p2", "integrate: v2", "tracer_mixing: next tracer"})
+  for (const char* what : {"narrow_phase: mask", "contact_force: history", "contact_force: force rows",
+                           "contact_force: energy rows", "wall_contact: wall history", "integrate: p2", "integrate: v2",
+                           "tracer_mixing: next tracer", "tracer_rate: next tracer"})
     EXPECT_TRUE(seen.contains(what)) << "never seen: " << what;
 }
 

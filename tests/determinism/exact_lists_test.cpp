@@ -8,14 +8,15 @@
 #include <cstdio>
 
 #include "core/base/error.hpp"
-#include "core/rules/skin.hpp"
 #include "core/scene/scene_file.hpp"
 #include "kernels/kernel_table.hpp"
 #include "scheduler/lists/audit.hpp"
+#include "scheduler/lists/skin.hpp"
 #include "scheduler/step/access.hpp"
 #include "tests/determinism/random_scenes.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
+#include "tests/faults.hpp"
 
 namespace talus::determinism {
 namespace {
@@ -29,7 +30,7 @@ Counters audited(const Scene& scene, RunOptions options, std::int64_t steps) {
     sim.run(steps);
   } catch (const Error&) {
     // a grain that a broken list lost may fly through a closed side: the counters stay readable
-    EXPECT_NE(options.seeded_fault, 0);
+    EXPECT_NE(hooks_of_tests.skin, 1);
   }
   return sim.counters();
 }
@@ -158,8 +159,8 @@ TEST_P(Lists, AuditFindsWhatAListWithTooLargeASkinLacks) {
     s.list.automatic = false;
     s.list.uniform_skin = 1;
     RunOptions options = random_options(index);
-    options.seeded_fault = 3;
     options.audit = true;
+    const faults::SeededFault seeded(faults::Fault::skin);
     Simulation sim(s, options);
     try {
       sim.run(k_audit_steps);
@@ -192,7 +193,7 @@ TEST_P(Lists, AuditSeesWallContactsThatTheListLacks) {
   RunOptions options;
   options.threads = 1;
   EXPECT_EQ(audited(s, options, 400).missed_contacts, 0);
-  options.seeded_fault = 3;
+  const faults::SeededFault seeded(faults::Fault::skin);
   if (GetParam() != ListPolicy::always) {
     EXPECT_GT(audited(s, options, 400).missed_contacts, 0);
   }
@@ -269,7 +270,7 @@ verlet_k = 20
   }
 }
 
-std::string policy_name(const testing::TestParamInfo<ListPolicy>& info) { return policy_text(info.param).name; }
+std::string policy_name(const testing::TestParamInfo<ListPolicy>& info) { return policy_of(info.param).name(); }
 
 INSTANTIATE_TEST_SUITE_P(Policies, Lists, testing::ValuesIn(exact_policies()), policy_name);
 

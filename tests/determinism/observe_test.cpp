@@ -6,7 +6,7 @@
 #include <bit>
 #include <set>
 
-#include "core/rules/skin.hpp"
+#include "scheduler/lists/skin.hpp"
 #include "scheduler/lists/skin_check.hpp"
 #include "scheduler/step/access.hpp"
 #include "tests/determinism/random_scenes.hpp"
@@ -65,7 +65,7 @@ void watch(const Scene& s, const RunOptions& o, int seed, Looks& looks) {
       continue;
     }
     const Frame f = sim.frame({.contacts = true});
-    ASSERT_EQ(pairs_of(f), touching(w)) << s.title << ", " << policy_text(s.list.policy).name << ", step " << f.step;
+    ASSERT_EQ(pairs_of(f), touching(w)) << s.title << ", " << policy_of(s.list.policy).name() << ", step " << f.step;
     ++looks.frames;
     looks.expired += expired ? 1 : 0;
     expired_here += expired ? 1 : 0;
@@ -97,9 +97,7 @@ TEST_P(EveryPolicy, FramesHoldEveryTouchingPairAtAnyStepAlsoWhereListsHaveExpire
 }
 
 INSTANTIATE_TEST_SUITE_P(Policies, EveryPolicy, testing::ValuesIn(exact_policies()),
-                         [](const testing::TestParamInfo<ListPolicy>& i) {
-                           return std::string(policy_text(i.param).name);
-                         });
+                         [](const testing::TestParamInfo<ListPolicy>& i) { return policy_of(i.param).name(); });
 
 TEST(Observe, FrameHoldsEveryTouchingPairAlsoAtSortEpochs) {
   for (Scene (*build)() : {sheared_bed, gas}) {

@@ -8,6 +8,7 @@
 #include "core/base/error.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
+#include "tests/faults.hpp"
 
 namespace talus::determinism {
 namespace {
@@ -164,9 +165,8 @@ TEST_P(Planes, GoOnAfterAResumeAsIfThereHadBeenNoStop) {
 TEST_P(Planes, OfAFailedStepAreTakenBackWithTheLedger) {
   Scene s = GetParam().build();
   s.output.energies = true;
-  RunOptions healthy, faulty;
-  healthy.threads = faulty.threads = 2;
-  faulty.seeded_fault = 4;  // a force becomes NaN in step 50
+  RunOptions options;
+  options.threads = 2;
   const auto sections = [](const Simulation& sim) {
     const std::string path = temporary_file("failed.checkpoint");
     CheckpointWriter out;
@@ -174,7 +174,9 @@ TEST_P(Planes, OfAFailedStepAreTakenBackWithTheLedger) {
     out.commit(path);
     return CheckpointReader(path);
   };
-  Simulation good(s, healthy), bad(s, faulty);
+  Simulation good(s, options);
+  const faults::SeededFault seeded(faults::Fault::force);  // in step 50
+  Simulation bad(s, options);
   good.run(50);
   EXPECT_THROW(bad.run(200), Error);
   ASSERT_EQ(bad.step(), 50);

@@ -7,8 +7,8 @@
 
 #include "core/base/error.hpp"
 #include "core/io/checkpoint.hpp"
-#include "core/rules/skin.hpp"
 #include "core/scene/scene_file.hpp"
+#include "scheduler/lists/skin.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
 

@@ -7,8 +7,8 @@
 #include <set>
 #include <tuple>
 
-#include "core/rules/skin.hpp"
 #include "kernels/kernel_table.hpp"
+#include "scheduler/lists/skin.hpp"
 
 namespace talus::determinism {
 namespace {
@@ -40,8 +40,8 @@ void for_pairs(const Levels& row, F use) {
 const std::vector<ListPolicy>& exact_policies() {
   static const std::vector<ListPolicy> all = [] {
     std::vector<ListPolicy> found;
-    for (std::size_t k = 0; k < std::size(k_policies); ++k)
-      if (const auto policy = static_cast<ListPolicy>(k); policy != ListPolicy::fixed) found.push_back(policy);
+    for (const Policy* p : list_policies())
+      if (p->word != ListPolicy::fixed) found.push_back(p->word);
     return found;
   }();
   return all;
@@ -49,8 +49,8 @@ const std::vector<ListPolicy>& exact_policies() {
 
 std::string Variant::text() const {
   char line[128];
-  std::snprintf(line, sizeof line, "%s K=%g threads=%d chunk=%d isa=%s", policy_text(policy).name, k, threads, chunk,
-                isa_name(isa));
+  std::snprintf(line, sizeof line, "%s K=%g threads=%d chunk=%d isa=%s", policy_of(policy).name().c_str(), k, threads,
+                chunk, isa_name(isa));
   return line;
 }
 

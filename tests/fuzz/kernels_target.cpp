@@ -185,7 +185,7 @@ Outcome run_block(const KernelTable& k, const Input& in, const LawInfo& law, con
   const auto b = std::make_unique<Ready>(k, in, periodic, out);
   LawArgs a = args;
   a.table = &args.one;
-  k.law[law.slot + in.rotation + kind](b->block, a);
+  k.law[law.slot() + in.rotation + kind](b->block, a);
   if (add.turning && in.rotation != 0) {
     k.spin(SpinArgs{in.p.data(), in.v.data(), in.i.data(), in.j.data(), in.n, b->s});
     MomentBlock m{};

@@ -2,8 +2,13 @@
 // next one has to be named there, too.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdlib>
+
+#include "core/rules/laws/law.hpp"
 #include "core/scene/key.hpp"
 #include "core/scene/scene.hpp"
+#include "scheduler/lists/skin.hpp"
 #include "tests/layout/sources.hpp"
 
 namespace talus::layout {
@@ -86,18 +91,106 @@ TEST(Cost, OfAWallShapeIsAFileAndALine) {
     EXPECT_TRUE(folder == "core/walls/shapes" || folder == "core/scene/sections" || folder == "core/scene") << folder;
 }
 
-// A contact law is a header in kernels/models and its line in the list of kernel_table.cpp, as long as it belongs to
-// the families that are there: what asks whether a law is linear has to learn of a third one. The number may fall,
-// never rise.
-TEST(Cost, OfAContactLawDoesNotRise) {
-  const auto files = files_with("ContactModel::linear");
-  EXPECT_LE(files.size(), 9u) << joined(files);
+// A contact law: its word in ContactModel, its header in core/rules/laws and its line in laws.cpp. hertz_tsuji is one
+// whose force is there already; nothing else in the product names it.
+TEST(Cost, OfAContactLawIsAHeaderAndALine) {
+  EXPECT_EQ(files_with("hertz_tsuji"), (std::set<std::string>{"core/rules/laws/hertz_tsuji.hpp",
+                                                              "core/rules/laws/laws.cpp", "core/scene/scene.hpp"}));
+  for (const Law* law : contact_laws()) {
+    const std::string name(enum_word(law->model));
+    // the law itself, the default of a scene; nobody asks which law it is
+    std::set<std::string> files = files_with("ContactModel::" + name);
+    files.erase("core/scene/scene.hpp");
+    EXPECT_EQ(files, std::set<std::string>{"core/rules/laws/" + name + ".hpp"});
+    EXPECT_EQ(files_with("laws::k_" + name), std::set<std::string>{"core/rules/laws/laws.cpp"}) << name;
+  }
 }
 
-// A list policy is not yet a line: these are the files that name one. The number may fall, never rise.
-TEST(Cost, OfAListPolicyDoesNotRise) {
-  const auto files = files_with("ListPolicy::outer_inner");
-  EXPECT_LE(files.size(), 2u) << joined(files);
+// One with a force of its own: that in a header of kernels/models, its word in LawForce, its place in isa/table.hpp.
+TEST(Cost, OfAForceIsAHeaderAndALine) {
+  EXPECT_EQ(files_with("PartialSlip"),
+            (std::set<std::string>{"kernels/isa/table.hpp", "kernels/models/hertz_mindlin.hpp"}));
+  EXPECT_EQ(files_with("LawForce::jkr"), std::set<std::string>{"core/rules/laws/jkr.hpp"});
+}
+
+/// A law that is nowhere in the product: a spring of twice the given stiffness, without a dashpot.
+constexpr Law k_toy{
+    .model = ContactModel::linear,
+    .what = "a toy",
+    .force = {.name = "toy", .force = LawForce::linear, .history = 3, .flips = 0b111},
+    .parameters =
+        [](const Scene& scene, int, int) {
+          PairParameters p;
+          p.kn = 2 * scene.contact.normal_stiffness;
+          return p;
+        },
+    .dynamics =
+        [](const Scene& scene, const ContactCase&, const ReducedPair& p, double, double) {
+          ContactDynamics d;
+          d.stiffness = 2 * scene.contact.normal_stiffness;
+          d.normal = d.stiffness / p.m;
+          d.duration = 3.14159 / std::sqrt(d.normal);
+          return d;
+        },
+    .overlaps = [](const Scene&, const Material&, double, double, double, double) { return Overlaps{}; },
+    .impact_power = 0.5,
+    .load_power = 1,
+};
+
+TEST(Cost, OfAContactLawIsAllThatItSays) {
+  Scene scene;
+  scene.contact.normal_stiffness = 100;
+  EXPECT_EQ(k_toy.parameters(scene, 0, 0).kn, 200);
+  EXPECT_EQ(k_toy.dynamics(scene, {}, {.m = 2, .r = 1, .spins = 0}, 0, 0).normal, 100);
+  // what it does not say it has not
+  EXPECT_FALSE(k_toy.slips_in_part() || k_toy.by_modulus || k_toy.balanced || k_toy.force.wants_reff);
+  EXPECT_EQ(k_toy.adhesion, nullptr);
+  EXPECT_EQ(k_toy.judge_cohesion, nullptr);
+}
+
+// A list policy: its word in ListPolicy, its header in scheduler/lists/policies and its line in policies.cpp. A scene
+// that names none gets local or velocity_profile, a frame always; the keys list.interval and list.floor mean fixed and
+// paper.
+TEST(Cost, OfAListPolicyIsAHeaderAndALine) {
+  const std::set<std::string> defaults{"core/scene/scene.cpp", "core/scene/scene.hpp", "core/scene/sections/list.cpp",
+                                       "scheduler/view/frame.cpp"};
+  for (const Policy* policy : list_policies()) {
+    const std::string own = "scheduler/lists/policies/" + policy->name() + ".hpp";
+    EXPECT_EQ(files_with("ListPolicy::" + policy->name() + ","), std::set<std::string>{own});
+    EXPECT_EQ(files_with("policies::k_" + policy->name()), std::set<std::string>{"scheduler/lists/policies.cpp"});
+  }
+  for (const std::string& file : files_with("ListPolicy::"))
+    EXPECT_TRUE(defaults.count(file) != 0 || file.rfind("scheduler/lists/policies/", 0) == 0) << file;
+  EXPECT_EQ(files_with("displacement_history"),
+            (std::set<std::string>{"core/scene/scene.hpp", "scheduler/lists/policies.cpp",
+                                   "scheduler/lists/policies/displacement_history.hpp"}));
+}
+
+/// A policy that is nowhere in the product: no skin but what rows are said to need.
+constexpr Policy k_toy_policy{
+    .word = ListPolicy::local,
+    .guarantee = "a toy",
+    .speed = [](SpeedQuery&, Row, const double*, double) { return 0.0; },
+};
+
+TEST(Cost, OfAListPolicyIsAllThatItSays) {
+  SkinRule rule;
+  rule.policy = &k_toy_policy;
+  rule.largest = 1e300;
+  rule.cap_on = false;
+  rule.acceleration_on = k_toy_policy.terms;
+  rule.k_dt = 3;
+  EXPECT_EQ(rule(0.5, 0.125, 7), 0.125) << "without K the length itself, without an acceleration";
+  EXPECT_FALSE(rule.has_k() || rule.drifts() || rule.cuts() || rule.own_check());
+  EXPECT_EQ(rule.to_walls(0.25), 0.25);
+  EXPECT_EQ(k_toy_policy.prepare, nullptr);
+}
+
+// How many sources are compiled again after a change of each kind (the script prints the table).
+TEST(Cost, OfAChangeIsFewRecompiledSources) {
+  EXPECT_EQ(
+      std::system("PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 " TALUS_SOURCE_DIR "/tests/layout/recompiles.py --check"),
+      0);
 }
 
 }  // namespace

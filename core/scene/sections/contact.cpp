@@ -1,4 +1,5 @@
 // [contact] and [[pair]]: the contact law and its coefficients per pair of materials.
+#include "core/rules/laws/law.hpp"
 #include "core/scene/sections/sections.hpp"
 
 namespace talus {
@@ -6,18 +7,38 @@ namespace {
 
 constexpr std::string_view k_history = "it decides what the stored contact history means";
 
+// What the laws say of themselves (core/rules/laws), as conditions and text of keys.
+const std::string k_by_stiffness = laws_where([](const Law& l) { return !l.by_modulus; });
+const std::string k_stiffness_words = laws_where([](const Law& l) { return !l.by_modulus; }, "");
+const std::string k_clips = laws_where([](const Law& l) { return l.never_clips.empty(); });
+const std::string k_balanced = laws_where([](const Law& l) { return l.balanced; });
+const std::string k_slips_in_part = laws_where([](const Law& l) { return l.slips_in_part(); });
+const std::string k_coheres = laws_where([](const Law& l) { return l.judge_cohesion != nullptr; });
+const std::string k_adheres = laws_where([](const Law& l) { return l.adhesion != nullptr; });
+
+std::string text_of_laws() {
+  std::string text;
+  for (const Law* law : contact_laws())
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", enum_word(law->model), law->what);
+  return text;
+}
+const std::string k_laws = text_of_laws();
+
 /// [contact] holds the law and the coefficients of all pairs that have none of their own.
 struct Contact : ContactLaw, PairCoefficients {};
 
 const Keys<Contact> k_contact(
     {"contact", false, "contact law and its coefficients for all pairs of materials"}, k_acts,
     {
-        key("model", &ContactLaw::model,
-            "linear: spring and dashpot; hertz_mindlin: restitution exact; hertz_tsuji: Tsuji's damping polynomial; "
-            "jkr: adhesive hertz_mindlin",
-            "\"linear\"")
+        key("model", &ContactLaw::model, k_laws, "\"linear\"")
             .fixed(k_history)
-            .also({"law"}),
+            .also({"law"})
+            .meaning({{"hooke", "linear"},
+                      {"spring", "linear"},
+                      {"lsd", "linear"},
+                      {"hertzian", "hertz_mindlin"},
+                      {"adhesive", "jkr"},
+                      {"johnson", "jkr"}}),
         other_key<Contact>("friction", KeyType::number_or_none, "-", {0, 1e6},
                            "Coulomb coefficient; none or 0 for all pairs: no tangential force, history or rotation",
                            "0.5")
@@ -28,21 +49,21 @@ const Keys<Contact> k_contact(
             .absent("(none; the Hertz models require it)")
             .also({"e", "cor", "coefficient_of_restitution", "en"}),
         key("normal_stiffness", &ContactLaw::normal_stiffness, "N/m", k_positive, "spring in normal direction", "1e5")
-            .only("model=linear")
-            .needed("linear", "(required by linear)")
+            .only(k_by_stiffness)
+            .needed(k_stiffness_words, "(required by linear)")
             .also({"kn", "k_n", "stiffness", "spring"}),
         key("tangential_stiffness", &ContactLaw::tangential_stiffness, "N/m", k_not_negative,
             "spring in tangential direction", "3e4")
-            .only("model=linear")
+            .only(k_by_stiffness)
             .absent("(2/7 of normal_stiffness)")
             .also({"kt", "k_t", "shear_stiffness"}),
         key("normal_damping", &ContactLaw::normal_damping, "1/s", k_not_negative,
             "normal damping rate g: force = g m_eff v; either this or restitution", "50")
-            .only("model=linear")
+            .only(k_by_stiffness)
             .also({"gamma_n", "gamman", {"damping", "contact"}}),
         key("tangential_damping", &ContactLaw::tangential_damping, "1/s", k_not_negative,
             "tangential damping rate g: force = g m_eff v", "25")
-            .only("model=linear")
+            .only(k_by_stiffness)
             .also({"gamma_t", "gammat"}),
         key("dashpot", &ContactLaw::dashpot,
             "velocity in the dashpot: centred in time (second order), the same with the forces of the pair alone "
@@ -57,7 +78,7 @@ const Keys<Contact> k_contact(
             "the normal force never pulls (the dashpot would, towards the end of a contact); damping from a "
             "restitution is chosen so that clipped impacts have it",
             "true")
-            .only("model=linear|hertz_mindlin"),
+            .only(k_clips),
         key("synchronised", &ContactLaw::synchronised,
             "tangential history in the mid-step frame: no sticking at large size ratios", "false")
             .fixed(k_history),
@@ -69,7 +90,7 @@ const Keys<Contact> k_contact(
             "slider (converges with the step, never yields energy); balanced: the scaled force less the dashpot (may "
             "load the spring backwards, as LAMMPS)",
             "\"balanced\"")
-            .only("model=linear")
+            .only(k_balanced)
             .fixed(k_history),
         key("friction_limit", &ContactLaw::friction_limit,
             "normal force N in |F_t| <= mu N; elastic: without the dashpot's part, which sums to nothing over an "
@@ -81,7 +102,7 @@ const Keys<Contact> k_contact(
             "after impacts at small angles are within 10 % of finite elements (one spring for the whole contact, which "
             "shrinks with it: 45 %); needs friction; three more history columns per contact",
             "true")
-            .only("model=hertz_mindlin|hertz_tsuji")
+            .only(k_slips_in_part)
             .fixed(k_history)
             .with("friction = 0.5\nrestitution = 0.8\n"),
         key("rolling", &ContactLaw::rolling,
@@ -89,6 +110,12 @@ const Keys<Contact> k_contact(
             "without creep)",
             "\"epsd\"")
             .fixed(k_history)
+            .meaning({{"constant", "cdt"},
+                      {"spring", "epsd"},
+                      {"elastic", "epsd"},
+                      {"off", "none"},
+                      {"no", "none"},
+                      {"free", "none"}})
             .with("friction = 0.5\nrolling_friction = 0.1\n"),
         key("rolling_friction", &PairCoefficients::rolling_friction, "-", {0, 100}, "mu_r in moment <= mu_r R* F_n",
             "0.1")
@@ -110,7 +137,7 @@ const Keys<Contact> k_contact(
             .with("friction = 0.5\ntwisting_friction = 0.05\n"),
         key("cohesion", &ContactLaw::cohesion, "sjkr: attraction = cohesion_energy * contact area, while in touch",
             "\"sjkr\"")
-            .only("model=linear|hertz_mindlin|hertz_tsuji")
+            .only(k_coheres)
             .fixed(k_history)
             .with("cohesion_energy = 1e3\n"),
         key("cohesion_energy", &PairCoefficients::cohesion_energy, "J/m3", k_not_negative,
@@ -119,7 +146,7 @@ const Keys<Contact> k_contact(
             .with("cohesion = \"sjkr\"\n"),
         key("work_of_adhesion", &PairCoefficients::work_of_adhesion, "J/m2", k_not_negative,
             "w of a pair of surfaces, 2 gamma of like ones; pull-off force 3/2 pi w R*", "0.05")
-            .only("model=jkr")
+            .only(k_adheres)
             .with("model = \"jkr\"\n"),
     });
 
@@ -198,7 +225,7 @@ void check_pair(const SceneTable& p, const ContactLaw& c) {
     p.fail("twisting_damping", "has no effect without twisting_friction > 0");
   if (p.has("cohesion_energy") && c.cohesion == Cohesion::none)
     p.fail("cohesion_energy", "has no effect without contact.cohesion");
-  if (p.has("work_of_adhesion") && c.model != ContactModel::jkr)
+  if (p.has("work_of_adhesion") && law_of(c.model).adhesion == nullptr)
     p.fail("work_of_adhesion", "has no effect without contact.model = jkr");
 }
 
@@ -227,8 +254,8 @@ void check_add_ons(const SceneTable& r, const std::vector<SceneTable>& pairs, Sc
     r.missing("rolling_friction", "(> 0 for some pair) by contact.rolling");
   if (c.cohesion != Cohesion::none && cohesion == 0)
     r.missing("cohesion_energy", "(> 0 for some pair) by contact.cohesion");
-  if (c.model == ContactModel::jkr && adhesion == 0)
-    r.missing("work_of_adhesion", "(> 0 for some pair) by contact.model = jkr");
+  if (law_of(c.model).adhesion != nullptr && adhesion == 0)
+    r.missing("work_of_adhesion", fmt::format("(> 0 for some pair) by contact.model = {}", enum_word(c.model)));
   for (const SceneTable& p : pairs) check_pair(p, c);
 }
 
@@ -250,13 +277,12 @@ void read_contact(const SceneTable& r, const std::vector<SceneTable>& pairs, con
   for (const PairCoefficients& k : scene.pairs) c.friction = c.friction || k.friction > 0;
   check_add_ons(r, pairs, scene);
   if (c.partial_slip && !c.friction) r.fail("partial_slip", "has no effect without contact.friction > 0");
-  if (c.clip_tension && (c.model == ContactModel::jkr || c.cohesion != Cohesion::none))
+  const Law& law = law_of(c.model);
+  if (c.clip_tension && c.cohesion != Cohesion::none)
     r.fail("clip_tension", "contradicts adhesion and cohesion, which pull");
-  if (c.clip_tension && c.model == ContactModel::hertz_tsuji)
-    r.fail("clip_tension",
-           "Tsuji's polynomial holds for contacts that end with their overlap: use model = hertz_mindlin");
+  if (c.clip_tension && !law.never_clips.empty()) r.fail("clip_tension", std::string(law.never_clips));
 
-  if (c.model == ContactModel::linear) {
+  if (!law.by_modulus) {
     r.exclusive("restitution", "normal_damping");
     if (!r.has("tangential_stiffness")) c.tangential_stiffness = 2.0 / 7.0 * c.normal_stiffness;
     c.by_restitution = any_restitution;
@@ -266,7 +292,7 @@ void read_contact(const SceneTable& r, const std::vector<SceneTable>& pairs, con
       m.require("poisson", "by the Hertz models");
     }
   }
-  if (c.model != ContactModel::linear || c.by_restitution) {
+  if (law.by_modulus || c.by_restitution) {
     for (const PairCoefficients& k : scene.pairs) {
       if (k.restitution < 0) r.missing("restitution", "because some pair of materials has none of its own");
     }

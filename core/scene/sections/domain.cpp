@@ -20,6 +20,16 @@ const Keys<Domain> k_domain(
                           "open deletes particles",
                           "[\"periodic\", \"periodic\", [\"wall\", \"open\"]]")
             .choices(enum_words(Boundary{}))
+            .meaning({{"pbc", "periodic"},
+                      {"cyclic", "periodic"},
+                      {"wrap", "periodic"},
+                      {"closed", "wall"},
+                      {"solid", "wall"},
+                      {"fixed", "wall"},
+                      {"reflect", "wall"},
+                      {"free", "open"},
+                      {"outflow", "open"},
+                      {"delete", "open"}})
             .absent("\"wall\"")
             .also({"periodic", "boundaries"}),
         text_key<Domain>("wall_material", "material of those sides that are walls", "\"steel\"")

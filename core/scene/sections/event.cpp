@@ -23,7 +23,17 @@ const Keys<Event> k_event(
         key("time", &Event::time, "s", k_not_negative, "when it happens", "0.2").required(),
         key("action", &Event::action, "what happens; drive moves the group with velocity and spin from then on",
             "\"freeze\"")
-            .required(),
+            .required()
+            .meaning({{"fix", "freeze"},
+                      {"stop", "freeze"},
+                      {"hold", "freeze"},
+                      {"unfreeze", "release"},
+                      {"free", "release"},
+                      {"delete", "remove"},
+                      {"erase", "remove"},
+                      {"kick", "set_velocity"},
+                      {"move", "drive"},
+                      {"push", "drive"}}),
         text_key<Event>("group", "whom it concerns", "\"bed\"")
             .only("action=freeze|release|set_velocity|remove|drive")
             .needed("freeze|release|set_velocity|remove|drive", "(required except by gravity)"),

@@ -16,11 +16,13 @@ const Keys<Scene> k_top(
             .fixed("it is part of the state; add an [[event]] with action = \"gravity\"")
             .also({"g", "gravity_vector"}),
         key("integrator", &Scene::integrator, "time integration", "\"leapfrog\"")
+            .meaning({{"vv", "velocity_verlet"}, {"verlet", "velocity_verlet"}, {"leap_frog", "leapfrog"}})
             .fixed("it decides at which time the stored velocities hold"),
         key("precision", &Scene::precision,
             "exact: same bits on every processor; fast: fused and estimated operations, bits depend on the instruction "
             "set",
-            "\"fast\""),
+            "\"fast\"")
+            .meaning({{"double", "exact"}, {"single", "fast"}, {"float", "fast"}, {"mixed", "fast"}}),
         key("sort_every", &Scene::sort_every, "steps", {1, k_count},
             "steps between two sorts of the storage order (part of the trajectory's definition)", "500"),
     });

@@ -9,6 +9,7 @@ const Keys<ListSettings> k_list(
     {
         key("policy", &ListSettings::policy, "when and with which skins the list is rebuilt; all exact but fixed",
             "\"paper\"")
+            .meaning({{"every_step", "always"}, {"interval", "fixed"}, {"every", "fixed"}, {"verlet", "uniform"}})
             .absent("(velocity_profile where gravity drives a flow without walls along a periodic axis, else local)"),
         other_key<ListSettings>("verlet_k", KeyType::number_or_auto, "steps", {0, 1e9},
                                 "K in skin = K |v| step; \"auto\": K and floor follow the run, never its results",

@@ -9,7 +9,13 @@ namespace {
 std::vector<Key<Region>> keys_of_a_region() {
   return {
       key("shape", &Region::shape, "box, cylinder about any axis, sphere, or the inside of a watertight mesh",
-          "\"box\""),
+          "\"box\"")
+          .meaning({{"cube", "box"},
+                    {"block", "box"},
+                    {"cuboid", "box"},
+                    {"ball", "sphere"},
+                    {"tube", "cylinder"},
+                    {"stl", "mesh"}}),
       key("lower", &Region::lower, "m", k_coordinate, "lower corner", "[0.1, 0.1, 0.1]")
           .only("shape=box")
           .needed("box", "(required by box)"),

@@ -14,7 +14,19 @@ const Keys<Source> k_source(
         key("kind", &Source::kind,
             "file: initial state; lattice or random: a pack at time start; stream: batches at a rate", "\"random\"")
             .required()
-            .also({{"type", "source"}}),
+            .also({{"type", "source"}})
+            .meaning({{"csv", "file"},
+                      {"data", "file"},
+                      {"grid", "lattice"},
+                      {"regular", "lattice"},
+                      {"hcp", "lattice"},
+                      {"pack", "random"},
+                      {"fill", "random"},
+                      {"rain", "stream"},
+                      {"inlet", "stream"},
+                      {"flow", "stream"},
+                      {"continuous", "stream"},
+                      {"factory", "stream"}}),
         text_key<Source>("name", "name for reports", "\"filling\"").absent("(source_0, source_1, ...)").free(),
         key("file", &Source::file,
             "table whose header row names x, y, z, radius (or diameter) and optionally vx, vy, vz, wx, wy, wz, "
@@ -59,7 +71,9 @@ const Keys<Source> k_source(
             .also({{"every", "source"}}),
         key("spacing", &Source::spacing, "-", {1, 1e6}, "distance of neighbouring sites / largest diameter", "1.1")
             .only("kind=lattice"),
-        key("lattice", &Source::lattice, "arrangement of the sites", "\"cubic\"").only("kind=lattice"),
+        key("lattice", &Source::lattice, "arrangement of the sites", "\"cubic\"")
+            .only("kind=lattice")
+            .meaning({{"hcp", "hexagonal"}, {"close_packed", "hexagonal"}, {"sc", "cubic"}, {"square", "cubic"}}),
         key("start", &Source::start, "s", k_not_negative, "time of the pack, or of the first batch", "0.1")
             .only(k_made),
         key("end", &Source::end, "s", k_not_negative, "no batches at or after this time", "2.0")
@@ -83,7 +97,23 @@ const Keys<SizeDistribution> k_size_keys(
     {"source.size", false, "distribution of particle diameters of a source"},
     fixed_by("the grains that are there have sizes of it"),
     {
-        key("kind", &SizeDistribution::kind, "distribution of diameters", "\"constant\""),
+        key("kind", &SizeDistribution::kind, "distribution of diameters", "\"constant\"")
+            .meaning({{"single", "constant"},
+                      {"mono", "constant"},
+                      {"monodisperse", "constant"},
+                      {"fixed", "constant"},
+                      {"equal", "constant"},
+                      {"same", "constant"},
+                      {"gauss", "normal"},
+                      {"gaussian", "normal"},
+                      {"flat", "uniform"},
+                      {"range", "uniform"},
+                      {"random", "uniform"},
+                      {"psd", "sieve"},
+                      {"histogram", "sieve"},
+                      {"classes", "sieve"},
+                      {"table", "sieve"},
+                      {"discrete", "sieve"}}),
         other_key<SizeDistribution>("by", KeyType::choice, "", {0, 0},
                                     "the distribution counts particles or their mass", "\"mass\"")
             .choices("number, mass")

@@ -12,7 +12,21 @@ const Keys<WallSpec> k_wall(
             "plane, lateral surface of a cylinder or cone, closed box, or triangle mesh; acts through periodic sides",
             "\"plane\"")
             .required()
-            .also({{"type", "wall"}, {"kind", "wall"}}),
+            .also({{"type", "wall"}, {"kind", "wall"}})
+            .meaning({{"flat", "plane"},
+                      {"floor", "plane"},
+                      {"tube", "cylinder"},
+                      {"pipe", "cylinder"},
+                      {"drum", "cylinder"},
+                      {"funnel", "cone"},
+                      {"hopper", "cone"},
+                      {"cube", "box"},
+                      {"block", "box"},
+                      {"cuboid", "box"},
+                      {"stl", "mesh"},
+                      {"obj", "mesh"},
+                      {"surface", "mesh"},
+                      {"triangles", "mesh"}}),
         text_key<WallSpec>("material", "material of the wall", "\"steel\"").absent("(the first material)"),
         key("point", &WallSpec::point, "m", k_coordinate,
             "a point of the plane; centre of the first end of a cylinder or cone", "[0, 0, 0.1]")

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "core/grains/insertion.hpp"
-#include "core/rules/skin.hpp"
 #include "core/walls/walls.hpp"
+#include "scheduler/lists/skin.hpp"
 #include "scheduler/state/rules.hpp"
 
 namespace talus {

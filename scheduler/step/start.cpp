@@ -1,5 +1,5 @@
 // See start.hpp.
-#include "scheduler/state/start.hpp"
+#include "scheduler/step/start.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -48,9 +48,8 @@ void set_law(Rules& rules) {
   const Scene& scene = rules.scene;
   const Features& h = rules.has;
   rules.law.variant = law_index(*rules.law.info, scene.contact.friction, h.materials, h.energies);
-  rules.law.trial = scene.contact.model == ContactModel::linear && scene.contact.friction &&
-                    scene.contact.sliding == Sliding::series && !h.materials && !h.energies && !h.moments &&
-                    !h.cohesion;
+  rules.law.trial = rules.law.info->trial && scene.contact.friction && scene.contact.sliding == Sliding::series &&
+                    !h.materials && !h.energies && !h.moments && !h.cohesion;
   rules.law.parameters = pair_parameters(scene);
   rules.law.args.one = rules.law.parameters[0];
   rules.law.args.table = rules.law.parameters.data();
@@ -71,6 +70,7 @@ Rules rules_of(const Scene& scene, const RunOptions& options, const Insertion& i
   Rules rules;
   rules.scene = scene;
   rules.options = options;
+  rules.hooks = hooks_of_tests;
   rules.r_min = insertion.smallest_radius();
   rules.r_max = insertion.largest_radius();
   rules.threads = options.threads > 0 ? options.threads : available_cores();
