@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <sstream>
 #include <stdexcept>
 
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
+#include "core/heat/property.hpp"
 #include "core/scene/scene_keys.hpp"
 #include "core/scene/scene_suggest.hpp"
 #include "core/scene/scene_text.hpp"
@@ -26,6 +28,8 @@ namespace talus {
 
 namespace talus {
 namespace {
+
+constexpr double k_infinite = std::numeric_limits<double>::infinity();
 
 /// Where messages point: the text's name, and which paths were set on the command line.
 struct Context {
@@ -331,6 +335,48 @@ class Checker {
     }
     return true;
   }
+  /// [[x, value], ...] with ascending x.
+  static bool points_ok(const SceneKey& k, const toml::node& n, std::size_t least) {
+    const toml::array* a = n.as_array();
+    if (a == nullptr || a->size() < least) return false;
+    double last = -k_infinite;
+    for (const toml::node& e : *a) {
+      const toml::array* point = e.as_array();
+      if (point == nullptr || point->size() != 2 || !in_range(k, *point->get(1), false)) return false;
+      const std::optional<double> x = number_in(*point->get(0));
+      if (!x || !std::isfinite(*x) || !(*x > last)) return false;
+      last = *x;
+    }
+    return true;
+  }
+  /// A finite list of numbers, `size` of them where that is not 0.
+  static bool finite_list(const toml::node* n, std::size_t size) {
+    const toml::array* a = n != nullptr ? n->as_array() : nullptr;
+    if (a == nullptr || a->empty() || (size != 0 && a->size() != size)) return false;
+    for (const toml::node& e : *a)
+      if (const std::optional<double> v = number_in(e); !v || !std::isfinite(*v)) return false;
+    return true;
+  }
+  static bool property_ok(const SceneKey& k, const toml::node& n) {
+    const toml::table* t = n.as_table();
+    if (t == nullptr) return in_range(k, n, false);
+    if (const toml::node* points = t->get("table")) return t->size() == 1 && points_ok(k, *points, 2);
+    if (!finite_list(t->get("polynomial"), 0)) return false;
+    for (auto&& [name, value] : *t) {
+      if (name.str() == "polynomial") continue;
+      if (name.str() == "origin") {
+        const std::optional<double> x = number_in(value);
+        if (!x || !std::isfinite(*x)) return false;
+      } else if (name.str() == "range") {
+        if (!finite_list(&value, 2)) return false;
+        const std::vector<double> ends = list_values<double>(value, number_in);
+        if (!(ends[0] < ends[1])) return false;
+      } else {
+        return false;
+      }
+    }
+    return true;
+  }
   bool value_ok(const SceneKey& k, const toml::node& n) const {
     switch (k.type) {
       case KeyType::number:
@@ -361,6 +407,10 @@ class Checker {
         const toml::array* a = n.as_array();
         return list_of(k, n, 2, true) && integer_in(*a->get(0)) <= integer_in(*a->get(1));
       }
+      case KeyType::property:
+        return property_ok(k, n);
+      case KeyType::series:
+        return in_range(k, n, false) || points_ok(k, n, 1);
       case KeyType::boundary:
         return boundary_ok(k, n);
     }
@@ -462,6 +512,52 @@ Vec3 SceneTable::direction(std::string_view name) const {
 std::vector<double> SceneTable::numbers(std::string_view name) const {
   return list_values<double>(node_of(as_table(table_), section_, name), number_in);
 }
+namespace {
+
+void read_points(const toml::node& list, std::vector<double>& at, std::vector<double>& value) {
+  for (const toml::node& point : *list.as_array()) {
+    at.push_back(known(number_in(*point.as_array()->get(0))));
+    value.push_back(known(number_in(*point.as_array()->get(1))));
+  }
+}
+
+}  // namespace
+
+Curve SceneTable::curve(std::string_view name) const {
+  const toml::node& n = node_of(as_table(table_), section_, name);
+  if (const auto number = number_in(n)) return Curve::constant(*number);
+  Curve c;
+  const toml::table& t = *n.as_table();
+  if (const toml::node* points = t.get("table")) {
+    read_points(*points, c.at, c.value);
+    return c;
+  }
+  c.coefficients = list_values<double>(*t.get("polynomial"), number_in);
+  if (const toml::node* origin = t.get("origin")) c.origin = known(number_in(*origin));
+  if (const toml::node* range = t.get("range")) {
+    const std::vector<double> ends = list_values<double>(*range, number_in);
+    c.low = ends[0];
+    c.high = ends[1];
+  }
+  const SceneKey& key = *find_scene_key(section_, name);
+  const heat::Property p = heat::Property::of(c);
+  for (int k = 0; k <= 256; ++k) {
+    const double T = c.low + (c.high - c.low) * k / 256, v = p.at(T);
+    if (!(std::isfinite(v) && (key.low_open ? v > key.low : v >= key.low) && v <= key.high))
+      fail(name, fmt::format("is {:.4g} at {:.4g} K; give a range = [T1, T2] in which it is {}", v, T,
+                             allowed_text(key).substr(0, allowed_text(key).find(','))));
+  }
+  return c;
+}
+
+TimeTable SceneTable::time_table(std::string_view name) const {
+  const toml::node& n = node_of(as_table(table_), section_, name);
+  if (const auto number = number_in(n)) return TimeTable::constant(*number);
+  TimeTable t;
+  read_points(n, t.time, t.value);
+  return t;
+}
+
 std::vector<std::int64_t> SceneTable::integers(std::string_view name) const {
   return list_values<std::int64_t>(node_of(as_table(table_), section_, name), integer_in);
 }
@@ -555,6 +651,12 @@ std::string normal_text(const SceneKey& key, const toml::node& node) {
     std::string s;
     for (const toml::node& entry : *list) s += (s.empty() ? "" : ", ") + normal_text(key, entry);
     return "[" + s + "]";
+  }
+  if (const toml::table* table = node.as_table()) {
+    std::string s;
+    for (auto&& [name, value] : *table)
+      s += fmt::format("{}{} = {}", s.empty() ? "" : ", ", name.str(), normal_text(key, value));
+    return "{ " + s + " }";
   }
   if (node.is_string()) return quoted(node.as_string()->get());
   if (node.is_boolean()) return node.as_boolean()->get() ? "true" : "false";

@@ -16,7 +16,8 @@ struct Features {
   bool rotation = false, history = false, materials = false, walls = false, moving_walls = false, fixed = false;
   bool groups = false, energies = false, insertion = false, events = false, removal = false, periodic = false;
   bool moments = false, cohesion = false, adhesion = false, planes = false;
-  int history_columns = 0;  ///< of the law, then those of rolling and twisting
+  bool fixed_at_walls = false;  ///< contacts of fixed grains with walls count too: they conduct heat
+  int history_columns = 0;      ///< of the law, then those of rolling and twisting
   int law_columns = 0, moment_columns = 0;
   bool reff = false;
 };

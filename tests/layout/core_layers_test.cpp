@@ -13,7 +13,8 @@ namespace {
 /// Place of a file of core in the order; files of one place may include each other.
 int place_of(const std::string& file) {
   // plain data that everything is about, though it lies with the sections that fill it
-  for (const char* data : {"core/scene/scene.hpp", "core/scene/scene.cpp", "core/scene/duration.hpp"})
+  for (const char* data :
+       {"core/scene/scene.hpp", "core/scene/scene.cpp", "core/scene/duration.hpp", "core/scene/heat.hpp"})
     if (file == data) return 1;
   static const std::vector<std::string> order{"base",   "",      "heat",  "meshes", "tables",     "walls", "shapes",
                                               "grains", "rules", "frame", "scene",  "conversion", "io"};

@@ -13,9 +13,9 @@ struct PartSections {
   void (*read)(const SceneTable& root, Scene& scene);  ///< after all other sections. Error{scene}
 };
 
-const PartSections& tracer_sections();
+const PartSections &tracer_sections(), &heat_sections();
 
 /// In the order in which they are read.
-inline std::vector<const PartSections*> part_sections() { return {&tracer_sections()}; }
+inline std::vector<const PartSections*> part_sections() { return {&tracer_sections(), &heat_sections()}; }
 
 }  // namespace talus
