@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A picture of a run's grains and walls: python3 draw.py RUN --out FILE.png [--by speed|size|material] [--time T].
+"""A picture of a run's grains and walls: python3 draw.py RUN --out FILE.png [--by speed|size|material|COLUMN] [--time T].
 
 Every sphere has its true size; walls are outlines. Also the drawing part of the report (perf/report.py). Needs numpy and
 matplotlib. Files are small: 256 colours where Pillow is there.
@@ -93,9 +93,10 @@ def colours_by(what, columns):
     """RGBA of every particle."""
     if what == "material":
         return MATERIALS[columns["material"].astype(int) % len(MATERIALS)]
-    values = 2 * columns["radius"] if what == "size" else np.linalg.norm(columns["velocity"], axis=1)
-    top = values.max() if what == "size" else np.percentile(values, 99.5)
-    low = values.min() if what == "size" else 0
+    values = (2 * columns["radius"] if what == "size" else np.linalg.norm(columns["velocity"], axis=1) if what == "speed"
+              else columns[what].astype(float))
+    top = np.percentile(values, 99.5) if what == "speed" else values.max()
+    low = 0 if what == "speed" else values.min()
     return COLOURS(plt.Normalize(low, top if top > low else low + 1)(values))
 
 
@@ -128,7 +129,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("folder", metavar="RUN", help="folder of a run with particle frames")
     parser.add_argument("--out", required=True, metavar="FILE", help="PNG to write")
-    parser.add_argument("--by", choices=["speed", "size", "material"], default="speed", help="what colours tell")
+    parser.add_argument("--by", default="speed", help="what colours tell: speed, size, material or a column of the frames")
     parser.add_argument("--time", type=float, help="simulated time [s] (default: the last frame)")
     parser.add_argument("--width", type=int, default=900, help="pixels")
     parser.add_argument("--azimuth", type=float, help="of the view [degrees]")
@@ -148,6 +149,9 @@ def main():
         sys.exit(f"error: {options.folder}: the frame at {source.times[k]:g} s has no particles")
     if options.by == "material" and "material" not in columns:
         sys.exit(f"error: {options.folder}: the scene has one material")
+    if options.by not in ("speed", "size") and (options.by not in columns or columns[options.by].ndim != 1):
+        names = ", ".join(name for name, values in columns.items() if values.ndim == 1)
+        sys.exit(f"error: {options.folder}: the frames have no column '{options.by}'; there is speed, size, {names}")
     frame = {"x": points, "r": columns["radius"]}
     shown = walls_at(walls if walls is not None and len(walls) else None, source.times[k])
     camera, view = view_of([frame], [shown])

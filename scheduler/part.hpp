@@ -14,6 +14,7 @@
 #include "core/base/columns.hpp"
 #include "core/frame/frame.hpp"
 #include "core/grains/insertion.hpp"
+#include "core/walls/walls.hpp"
 #include "scheduler/reports.hpp"
 #include "scheduler/state/contacts.hpp"
 #include "scheduler/state/rows.hpp"
@@ -22,12 +23,23 @@
 
 namespace talus {
 
+struct Parts;
+struct Team;
+
 /// What a part's nodes see of a run.
 struct PartView {
   const Rules& rules;
   const Clock& clock;
   const Rows& rows;
   const Contacts& contacts;
+  const WallSet& walls;
+  const Column<double>& energy;  ///< of the step by row: elastic, damping, friction, ... [J]; with Features::energies
+  const Parts& parts;
+  Team* team = nullptr;  ///< of nodes
+
+  /// fn(block) for 0 ... n - 1, on the threads of the run; one after another outside of nodes. For nodes of
+  /// PartNode::When::step.
+  void blocks(int n, const std::function<void(int)>& fn) const;
 };
 
 /// A node of a part.
@@ -76,6 +88,8 @@ class Part {
   virtual void sizes(const PartView&, const Chunk&, const RowSizes&) const {}
   /// Its columns of the time series, of the present step. Their number and names never change in a run.
   virtual std::vector<PartValue> values(const PartView&) const { return {}; }
+  /// Lines of `talus check`.
+  virtual std::vector<std::string> advice(const PartView&) const { return {}; }
   /// What it has to remember beside its columns (section "part NAME" of the checkpoint).
   virtual std::vector<std::uint8_t> save() const { return {}; }
   virtual void load(std::span<const std::uint8_t>, const std::string& /*where*/) {}
@@ -93,6 +107,14 @@ struct Parts {
     for (const auto& p : all) p->removed(rows, i);
   }
 };
+
+/// The first part that is a T, or null: how one part finds another that it works with.
+template <class T>
+T* part_as(const Parts& parts) {
+  for (const auto& p : parts.all)
+    if (T* found = dynamic_cast<T*>(p.get())) return found;
+  return nullptr;
+}
 
 /// parts/parts.cpp: the one list.
 Parts make_parts(const Rules& rules);

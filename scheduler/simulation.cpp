@@ -106,6 +106,13 @@ Energies Simulation::energies() const { return energies_of(impl_->w); }
 double Simulation::kinetic_energy() const { return kinetic_energy_of(impl_->w.rules, impl_->w.rows); }
 Frame Simulation::frame(const FrameRequest& request) const { return frame_of(impl_->w, request); }
 const std::vector<PlaneTotal>& Simulation::planes() const noexcept { return impl_->w.planes.totals(); }
+std::vector<std::pair<std::string, std::string>> Simulation::part_advice() const {
+  std::vector<std::pair<std::string, std::string>> all;
+  for (const auto& p : impl_->w.parts.all)
+    for (std::string& line : p->advice(view_of(impl_->w))) all.emplace_back(p->name(), std::move(line));
+  return all;
+}
+
 std::vector<PartValue> Simulation::part_values() const {
   std::vector<PartValue> all;
   for (const auto& p : impl_->w.parts.all)

@@ -55,6 +55,8 @@ class Simulation {
   const std::vector<PlaneTotal>& planes() const noexcept;
   /// What optional parts say of the present step; their number and names never change in a run.
   std::vector<PartValue> part_values() const;
+  /// What `talus check` says of them, with the name of each part.
+  std::vector<std::pair<std::string, std::string>> part_advice() const;
   std::uint64_t planes_hash() const;  ///< over the planes and their totals; state_hash() has none of it
   Plan plan() const;
   const TimeStepReport& time_step() const noexcept;  ///< what the construction has judged the step by

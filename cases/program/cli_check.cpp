@@ -127,7 +127,10 @@ int check(const Options& options) {
     j.add("time_step_limit", advice.step.limit);
     j.add("overlap", advice.soft.overlap).add("overlap_by", advice.soft.by_impact ? "impact" : "weight");
     j.add("stiffness_factor_for_one_percent", advice.soft.factor).add("time_step_factor", advice.soft.step_factor);
-    j.add("verlet_k", advice.k).end_object();
+    j.add("verlet_k", advice.k);
+    j.begin_array("parts");
+    for (const auto& [part, line] : simulation.part_advice()) j.add("", part + ": " + line);
+    j.end_array().end_object();
     j.begin_object("predicted").add("seconds", advice.time.seconds).add("seconds_outputs", advice.time.outputs);
     j.add("seconds_loose", advice.time.seconds_loose).add("seconds_dense", advice.time.seconds_dense);
     j.add("ns_per_particle_step", 1e9 * advice.cost.per_particle_step).add("measured_steps", advice.cost.steps);
@@ -167,6 +170,7 @@ int check(const Options& options) {
   put("  time step\n{}", time_step_text(step));
   put("  advice\n    time step  {}\n    stiffness  {}\n    verlet_k   {}\n",
       step_text(scene, advice.step, step.contact.seconds), soft_text(scene, advice.soft), k_text(scene, advice));
+  for (const auto& [part, line] : simulation.part_advice()) put("    {:<10} {}\n", part, line);
   put("  run time    about {}\n", time_text(scene, advice.time, advice.cost, plan.threads));
   for (const std::string& note : forgotten) tell("talus: note: {}\n", note);
   for (const Warning& w : simulation.warnings()) tell("talus: warning: {}\n", w.text);

@@ -38,6 +38,11 @@ Property Property::table(const std::vector<double>& temperatures, const std::vec
   return p;
 }
 
+Property Property::of(const Curve& curve) {
+  if (!curve.at.empty()) return table(curve.at, curve.value);
+  return polynomial(curve.coefficients, curve.origin, curve.low, curve.high);
+}
+
 double Property::least_on(double low, double high) const {
   double least_value = at(low);
   for (int k = 1; k <= 256; ++k) least_value = least(least_value, at(low + (high - low) * k / 256));

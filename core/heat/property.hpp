@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "core/base/curve.hpp"
 #include "core/heat/value.hpp"
 
 namespace talus::heat {
@@ -19,6 +20,9 @@ class Property {
   /// Straight lines through (temperatures[k], values[k]). Error{scene}: fewer than 2 nodes, other lengths, not
   /// ascending.
   static Property table(const std::vector<double>& temperatures, const std::vector<double>& values);
+
+  /// Of a scene.
+  static Property of(const Curve& curve);
 
   /// The value at T [K].
   template <class V>
@@ -52,6 +56,8 @@ class Property {
   const auto& pieces() const { return pieces_; }  ///< ascending; see Piece
   /// Least value on [low, high] [K], by sampling.
   double least_on(double low, double high) const;
+
+  bool varies() const noexcept { return !pieces_.empty(); }
 
  private:
   /// From low on the value grows by sum of power[k] (T - low)^(k + 1); beyond high it stays.

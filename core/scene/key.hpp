@@ -46,6 +46,8 @@ constexpr KeyType type_of() {
   if constexpr (std::is_same_v<T, Vec3>) return KeyType::vector;
   if constexpr (std::is_same_v<T, std::vector<double>>) return KeyType::numbers;
   if constexpr (std::is_same_v<T, std::array<int, 3>>) return KeyType::cells;
+  if constexpr (std::is_same_v<T, Curve>) return KeyType::property;
+  if constexpr (std::is_same_v<T, TimeTable>) return KeyType::series;
 }
 
 /// A member's initial value as TOML.
@@ -59,7 +61,7 @@ std::string text_of(const T& value) {
     return fmt::format("[{}, {}, {}]", value.x, value.y, value.z);
   else if constexpr (std::is_same_v<T, std::array<int, 3>>)
     return fmt::format("[{}, {}, {}]", value[0], value[1], value[2]);
-  else if constexpr (std::is_same_v<T, std::vector<double>>)
+  else if constexpr (std::is_same_v<T, std::vector<double>> || std::is_same_v<T, Curve> || std::is_same_v<T, TimeTable>)
     return "required";
   else
     return fmt::format("{}", value);
@@ -81,6 +83,10 @@ void read(const SceneTable& r, std::string_view name, T& value) {
     value = r.vector(name);
   else if constexpr (std::is_same_v<T, std::vector<double>>)
     value = r.numbers(name);
+  else if constexpr (std::is_same_v<T, Curve>)
+    value = r.curve(name);
+  else if constexpr (std::is_same_v<T, TimeTable>)
+    value = r.time_table(name);
   else {
     const std::vector<std::int64_t> cells = r.integers(name);
     for (std::size_t k = 0; k < 3; ++k) value[k] = static_cast<int>(cells[k]);

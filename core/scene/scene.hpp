@@ -15,6 +15,7 @@
 #include "core/base/types.hpp"
 #include "core/base/words.hpp"
 #include "core/scene/conversion.hpp"
+#include "core/scene/heat.hpp"
 
 namespace talus {
 
@@ -314,6 +315,7 @@ struct Scene {
   RelaxSettings relax;
   double tracer_rate = -1;  ///< at which a contact mixes the tracer [1/s]; negative: no tracer
   ConversionScene conversion;
+  HeatScene heat;
 
   const PairCoefficients& pair(int a, int b) const { return pairs[a * materials.size() + b]; }
   /// List policy for a scene that names none: velocity_profile where gravity has a component along a periodic axis,

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "core/base/error.hpp"
@@ -132,6 +133,36 @@ class Checker {
              (e.is_list() && e.list.size() == 2 && is_choice(k, e.list[0]) && is_choice(k, e.list[1]));
     });
   }
+  /// [[x, value], ...] with ascending x.
+  static bool points_ok(const SceneKey& k, const TomlNode& n, std::size_t least) {
+    if (!n.is_list() || n.list.size() < least) return false;
+    double last = -std::numeric_limits<double>::infinity();
+    for (const TomlNode& point : n.list) {
+      if (!point.is_list() || point.list.size() != 2 || !in_range(k, point.list[1], false)) return false;
+      const TomlNode& x = point.list[0];
+      if (!x.is_number() || !std::isfinite(x.number) || !(x.number > last)) return false;
+      last = x.number;
+    }
+    return true;
+  }
+  /// A list of finite numbers, `size` of them where that is not 0.
+  static bool finite_list(const TomlNode* n, std::size_t size) {
+    if (n == nullptr || !n->is_list() || n->list.empty() || (size != 0 && n->list.size() != size)) return false;
+    return std::all_of(n->list.begin(), n->list.end(),
+                       [](const TomlNode& e) { return e.is_number() && std::isfinite(e.number); });
+  }
+  static bool property_ok(const SceneKey& k, const TomlNode& n) {
+    if (!n.is_table()) return in_range(k, n, false);
+    if (const TomlNode* points = n.find("table")) return n.table.size() == 1 && points_ok(k, *points, 2);
+    if (!finite_list(n.find("polynomial"), 0)) return false;
+    for (const auto& [name, value] : n.table) {
+      const bool ok = name == "polynomial" ||
+                      (name == "origin" && value.is_number() && std::isfinite(value.number)) ||
+                      (name == "range" && finite_list(&value, 2) && value.list[0].number < value.list[1].number);
+      if (!ok) return false;
+    }
+    return true;
+  }
   bool value_ok(const SceneKey& k, const TomlNode& n) const {
     switch (k.type) {
       case KeyType::number:
@@ -158,6 +189,10 @@ class Checker {
         return n.is_list() && n.list.size() == 2 && is_text(n.list[0]) && is_text(n.list[1]);
       case KeyType::id_range:
         return list_of(k, n, 2, true) && n.list[0].integer <= n.list[1].integer;
+      case KeyType::property:
+        return property_ok(k, n);
+      case KeyType::series:
+        return in_range(k, n, false) || points_ok(k, n, 1);
       case KeyType::boundary:
         return boundary_ok(k, n);
     }

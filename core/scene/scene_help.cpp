@@ -73,6 +73,11 @@ std::string allowed_text(const SceneKey& k) {
       return "[\"a\", \"b\"], 2 texts of one line";
     case KeyType::id_range:
       return "[first, last], 2 ascending integers, each " + range_text(k);
+    case KeyType::property:
+      return "a number " + range_text(k) + unit +
+             ", { table = [[T, value], ...] } or { polynomial = [c0, c1, ...], origin = T0, range = [T1, T2] }";
+    case KeyType::series:
+      return "a number " + range_text(k) + unit + " or [[time, value], ...] with ascending times [s]";
     case KeyType::boundary:
       return "one of " + std::string(k.choices) + "; or 3 entries, each such a word or a pair [lower, upper] of words";
   }

@@ -26,6 +26,8 @@ enum class KeyType {
   cells,      ///< 3 integers
   text_pair,  ///< 2 texts
   id_range,   ///< 2 integers, ascending
+  property,   ///< of temperature: a number, a polynomial or a table
+  series,     ///< over time: a number, or pairs [time, value]
   boundary    ///< one of the choices; or 3 entries, each a choice or a pair of choices
 };
 

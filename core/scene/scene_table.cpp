@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/base/error.hpp"
+#include "core/heat/property.hpp"
 #include "core/scene/scene_check.hpp"
 #include "core/scene/scene_override.hpp"
 #include "core/scene/scene_suggest.hpp"
@@ -101,6 +102,51 @@ Vec3 SceneTable::direction(std::string_view name) const {
 std::vector<double> SceneTable::numbers(std::string_view name) const {
   return list_values<double>(node_of(table_, section_, name), number_in);
 }
+namespace {
+
+void read_points(const TomlNode& list, std::vector<double>& at, std::vector<double>& value) {
+  for (const TomlNode& point : list.list) {
+    at.push_back(known(number_in(point.list[0])));
+    value.push_back(known(number_in(point.list[1])));
+  }
+}
+
+}  // namespace
+
+Curve SceneTable::curve(std::string_view name) const {
+  const TomlNode& n = node_of(table_, section_, name);
+  if (const auto number = number_in(n)) return Curve::constant(*number);
+  Curve c;
+  if (const TomlNode* points = n.find("table")) {
+    read_points(*points, c.at, c.value);
+    return c;
+  }
+  c.coefficients = list_values<double>(*n.find("polynomial"), number_in);
+  if (const TomlNode* origin = n.find("origin")) c.origin = known(number_in(*origin));
+  if (const TomlNode* range = n.find("range")) {
+    const std::vector<double> ends = list_values<double>(*range, number_in);
+    c.low = ends[0];
+    c.high = ends[1];
+  }
+  const SceneKey& key = *find_scene_key(section_, name);
+  const heat::Property p = heat::Property::of(c);
+  for (int k = 0; k <= 256; ++k) {
+    const double T = c.low + (c.high - c.low) * k / 256, v = p.at(T);
+    if (!(std::isfinite(v) && (key.low_open ? v > key.low : v >= key.low) && v <= key.high))
+      fail(name, fmt::format("is {:.4g} at {:.4g} K; give a range = [T1, T2] in which it is {}", v, T,
+                             allowed_text(key).substr(0, allowed_text(key).find(','))));
+  }
+  return c;
+}
+
+TimeTable SceneTable::time_table(std::string_view name) const {
+  const TomlNode& n = node_of(table_, section_, name);
+  if (const auto number = number_in(n)) return TimeTable::constant(*number);
+  TimeTable t;
+  read_points(n, t.time, t.value);
+  return t;
+}
+
 std::vector<std::int64_t> SceneTable::integers(std::string_view name) const {
   return list_values<std::int64_t>(node_of(table_, section_, name), integer_in);
 }
@@ -193,6 +239,12 @@ std::string normal_text(const SceneKey& key, const TomlNode& node) {
     std::string s;
     for (const TomlNode& entry : node.list) s += (s.empty() ? "" : ", ") + normal_text(key, entry);
     return "[" + s + "]";
+  }
+  if (node.is_table()) {
+    std::string s;
+    for (const auto& [name, value] : node.table)
+      s += fmt::format("{}{} = {}", s.empty() ? "" : ", ", name, normal_text(key, value));
+    return "{ " + s + " }";
   }
   if (node.is_text()) return quoted(node.text);
   if (node.type == TomlNode::Type::boolean) return node.boolean ? "true" : "false";

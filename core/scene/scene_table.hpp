@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/curve.hpp"
 #include "core/base/types.hpp"
 
 namespace talus {
@@ -44,6 +45,9 @@ class SceneTable {
   Vec3 vector(std::string_view name) const;
   Vec3 direction(std::string_view name) const;  ///< normalised; Error{scene} for the zero vector
   std::vector<double> numbers(std::string_view name) const;
+  /// A property of temperature. Error{scene} where a polynomial leaves the range of the key.
+  Curve curve(std::string_view name) const;
+  TimeTable time_table(std::string_view name) const;
   std::vector<std::int64_t> integers(std::string_view name) const;
   std::vector<std::string> texts(std::string_view name) const;
   /// Words per axis and side of a boundary key.

@@ -163,7 +163,7 @@ void wall_candidates(const Rules& rules, const Rows& rows, const Lists& lists, c
   c.wall.distance.clear();
   c.wall.nearest.clear();
   for (Row i = c.lo; i < c.hi; ++i) {
-    if (!rows.is_alive(i) || (rules.has.fixed && rows.fixed[i] != 0)) continue;
+    if (!rows.is_alive(i) || (rules.has.fixed && !rules.has.fixed_at_walls && rows.fixed[i] != 0)) continue;
     const std::size_t before = c.wall.element.size();
     const double own = lists.skin.cuts() ? lists.outer[4L * i + 3]
                                          : __builtin_sqrt(lists.x0[4L * i + 3]) / rules.hooks.skin;

@@ -18,7 +18,8 @@ struct Features {
   bool groups = false, energies = false, insertion = false, events = false, removal = false, periodic = false;
   bool bodies = false;  ///< of several spheres
   bool moments = false, cohesion = false, adhesion = false, planes = false;
-  int history_columns = 0;  ///< of the law, then those of rolling and twisting
+  bool fixed_at_walls = false;  ///< contacts of fixed grains with walls count too: they conduct heat
+  int history_columns = 0;      ///< of the law, then those of rolling and twisting
   int law_columns = 0, moment_columns = 0;
   bool reff = false;
 };

@@ -27,7 +27,8 @@ void set_features(Rules& rules, bool any_fixed) {
   h.materials = scene.materials.size() > 1;
   h.reff = rules.law.info->wants_reff;
   h.groups = !scene.groups.empty();
-  h.energies = scene.output.energies;
+  h.energies = scene.output.energies || scene.heat.friction;
+  h.fixed_at_walls = scene.heat.on;
   h.planes = !scene.output.flux_planes.empty();
   h.insertion = std::any_of(scene.sources.begin(), scene.sources.end(), acts_later);
   h.events = !scene.events.empty();
@@ -110,6 +111,7 @@ WallSet walls_of(const Rules& rules, const SkinRule& skin) {
   double reach = 0;
   for (const double r : {rules.r_min, rules.r_max})
     reach = fmax2(reach, r + 2 * skin.range(r) + skin.to_walls(skin(r, 1e30, 0)) + skin.drift_travel);
+  if (rules.scene.heat.on) reach = fmax2(reach, heat_reach(rules.scene.heat, rules.r_max));
   return WallSet(in_stored_frame(rules.scene), reach + 0.5 * rules.r_min,
                  (1 + k_usual_skin) * rules.r_max + 2 * skin.range(rules.r_max) + skin.drift_travel);
 }

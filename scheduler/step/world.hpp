@@ -38,6 +38,11 @@ struct World {
   explicit World(Start start);
 };
 
-inline PartView view_of(const World& w) { return {w.rules, w.clock, w.rows, w.contacts}; }
+inline PartView view_of(const World& w) {
+  return {w.rules, w.clock, w.rows, w.contacts, w.walls, w.ledger.rows, w.parts};
+}
+inline PartView view_of(World& w) {
+  return {w.rules, w.clock, w.rows, w.contacts, w.walls, w.ledger.rows, w.parts, &w.team};
+}
 
 }  // namespace talus

@@ -380,4 +380,36 @@ std::string checkpoint_bytes(const Simulation& sim) {
   return read_bytes(path);
 }
 
+Scene heated(Scene s) {
+  HeatScene& h = s.heat;
+  h.on = true;
+  h.every = 25;
+  h.temperature = 300;
+  h.friction = true;
+  for (std::size_t k = 0; k < s.materials.size(); ++k) {
+    MatterHeat m;
+    m.capacity = {{700, 0.4}, 273, 250, 2000, {}, {}};
+    m.conductivity = {{}, 0, 0, 0, {300, 900}, {20.0 + 5 * static_cast<double>(k), 40}};
+    h.matter.push_back(m);
+  }
+  for (std::size_t k = 0; k < s.sources.size(); ++k) h.sources.push_back({k == 0 ? 350.0 : 900.0, k == 1});
+  for (const WallSpec& w : s.walls) {
+    WallHeat wall;
+    wall.wall = w.name;
+    if (h.walls.empty())
+      wall.flux = TimeTable::constant(2e4);
+    else
+      wall.temperature = {{0, 0.02}, {300, 700}};
+    h.walls.push_back(wall);
+  }
+  h.gas.on = true;
+  h.gas.temperature = TimeTable::constant(600);
+  h.gas.velocity = {0, 0, 1};
+  h.gas.law = NusseltLaw::gunn;
+  h.gap.conductivity = 0.05;
+  h.radiation.grains = true;
+  h.radiation.enclosure = TimeTable::constant(1100);
+  return s;
+}
+
 }  // namespace talus::determinism

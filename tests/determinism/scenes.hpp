@@ -35,6 +35,9 @@ inline void PrintTo(const NamedScene& s, std::ostream* out) { *out << s.name; }
 /// The scenes above.
 const std::vector<NamedScene>& scenes();
 
+/// The scene with everything that the part "heat" can do.
+Scene heated(Scene s);
+
 /// Writes `bytes` to a file in this process's own temporary folder (removed at exit) and returns its path.
 std::string temporary_file(const std::string& name, const std::string& bytes = {});
 std::string read_bytes(const std::string& path);

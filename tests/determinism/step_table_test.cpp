@@ -38,6 +38,7 @@ std::vector<std::string> conflicts(const std::vector<NodeSpec>& table) {
 TEST(StepTable, UnorderedNodesNeverShareAWrittenArray) {
   for (const NamedScene& named : scenes()) {
     Scene s = named.build();
+    s = heated(s);
     s.tracer_rate = 0;
     s.output.flux_planes = {{"middle", {0, 0, 0}, {0, 0, 1}}};
     Simulation sim(s, RunOptions{});

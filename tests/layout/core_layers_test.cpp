@@ -14,7 +14,7 @@ namespace {
 int place_of(const std::string& file) {
   // plain data that everything is about, though it lies with the sections that fill it
   for (const char* data : {"core/scene/scene.hpp", "core/scene/scene.cpp", "core/scene/duration.hpp",
-                           "core/scene/conversion.hpp", "core/scene/gas_settings.hpp"})
+                           "core/scene/conversion.hpp", "core/scene/gas_settings.hpp", "core/scene/heat.hpp"})
     if (file == data) return 1;
   static const std::vector<std::string> order{"base",   "",      "heat",  "gas",   "meshes", "tables",     "walls", "shapes",
                                               "grains", "rules", "frame", "scene",  "conversion", "io"};

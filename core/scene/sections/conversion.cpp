@@ -50,6 +50,8 @@ void read(const SceneTable& root, Scene& scene) {
     any = any || !g.grain.empty();
     c.grain.push_back(g.grain);
   }
+  // the two parts would each keep a temperature of their own of the same grain
+  if (c.on && scene.heat.on) root.fail("conversion", "cannot be had beside [heat]: grains that convert exchange no heat yet");
   if (c.on && !any) root.fail("conversion", "needs a material with a grain file (material.grain)");
 }
 

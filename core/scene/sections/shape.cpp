@@ -108,6 +108,7 @@ void read(const SceneTable& root, Scene& scene) {
   if (scene.output.grid.on) output.fail("grid", refused);
   if (!scene.output.regions.empty()) output.fail("region", refused);
   if (scene.tracer_rate >= 0) root.fail("tracer", refused);
+  if (scene.heat.on) root.fail("heat", refused);
   if (scene.conversion.on) root.fail("conversion", refused);
 }
 

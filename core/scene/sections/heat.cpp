@@ -1,0 +1,245 @@
+// [heat] and its sections, the thermal keys of materials and sources: keys of the part in scheduler/parts/heat.hpp.
+#include <algorithm>
+
+#include "core/scene/sections/parts.hpp"
+
+namespace talus {
+namespace {
+
+constexpr KeyRange k_kelvin{1, 1e5}, k_share{0, 1};
+constexpr std::string_view k_with = "[heat]\ntemperature = 300\ncapacity = 800\nconductivity = 1\nyoung = 7e10\n";
+constexpr std::string_view k_enthalpy = "the stored enthalpies follow from it";
+
+/// What holds for all materials that say nothing of their own.
+struct General : HeatScene, MatterHeat {};
+
+const Keys<General> k_heat(
+    {"heat", false, "temperatures of grains and what exchanges heat with them; absent: grains have none"}, k_acts,
+    {
+        key("temperature", &HeatScene::temperature, "K", k_kelvin,
+            "of the grains of sources that give none of their own. Particle files gain `temperature`, the series "
+            "heat.total (enthalpy), what came in by walls, gas, radiation, friction, held grains and sources, "
+            "heat.residual, heat.lowest, heat.mean, heat.highest, and the heat flow of each named wall",
+            "293.15")
+            .required()
+            .fixed("grains have begun with it"),
+        key("every", &General::every, "steps", {1, 1e9},
+            "steps per heat step; a heat step in which a grain would overshoot its surroundings ends the run and says "
+            "how many steps are allowed",
+            "50"),
+        key("capacity", &General::capacity, "J/kg/K", k_positive, "heat capacity of materials that give none", "800")
+            .absent("(required unless every material gives it)")
+            .fixed(k_enthalpy)
+            .usual("", "none")
+            .also({"cp", "heat_capacity", "specific_heat"}),
+        key("conductivity", &General::conductivity, "W/m/K", k_not_negative, "of materials that give none", "1.1")
+            .absent("(required unless every material gives it)")
+            .usual("", "none")
+            .also({"thermal_conductivity"}),
+        key("emissivity", &General::emissivity, "-", k_share, "of the surfaces of materials that give none", "0.85"),
+        key("young", &General::young, "Pa", k_positive,
+            "real modulus of materials that give none: contacts of a softened model are too wide, and conduct as real "
+            "ones would",
+            "7e10")
+            .absent("(contacts conduct as wide as they are)")
+            .usual("", "none"),
+        key("softening", &General::softening,
+            "how real contacts follow from those of the model where `young` is given; impact: (E/E_real)^(1/5) of the "
+            "radius, as in collisions of the same energy (Zhou 2010); load: (E/E_real)^(1/3), as under the same load. "
+            "The linear law takes its force as that load",
+            "\"load\"")
+            .with("model = \"hertz_mindlin\"\n"),
+        key("friction", &General::friction,
+            "what dashpots and friction of contacts dissipate heats the grains, half each", "true")
+            .fixed("the balance has to begin with the run"),
+    });
+
+const Keys<MatterHeat> k_material(
+    {"material.heat", false, "thermal properties of a material, in place of those of [heat]"}, k_acts,
+    {
+        key("capacity", &MatterHeat::capacity, "J/kg/K", k_positive, "heat capacity",
+            "{ polynomial = [700, 0.4], origin = 273.15, range = [250, 1500] }")
+            .absent("(heat.capacity)")
+            .fixed(k_enthalpy)
+            .with(k_with),
+        key("conductivity", &MatterHeat::conductivity, "W/m/K", k_not_negative, "of the solid",
+            "{ table = [[300, 1.1], [800, 1.6]] }")
+            .absent("(heat.conductivity)")
+            .with(k_with),
+        key("emissivity", &MatterHeat::emissivity, "-", k_share, "of the surface", "0.9")
+            .absent("(heat.emissivity)")
+            .with(k_with),
+        key("young", &MatterHeat::young, "Pa", k_positive, "real modulus", "7e10").absent("(heat.young)").with(k_with),
+    });
+
+const Keys<SourceHeat> k_source(
+    {"source", true, ""}, fixed_by("its grains have begun with it"),
+    {
+        key("temperature", &SourceHeat::temperature, "K", k_kelvin, "of its grains; needs [heat]", "500")
+            .absent("(heat.temperature)")
+            .with(k_with),
+        key("hold_temperature", &SourceHeat::held, "its grains keep their temperature; needs [heat]", "true")
+            .with(k_with),
+    });
+
+const Keys<WallHeat> k_wall(
+    {"heat.wall", true, "exchange of a wall with the grains that touch it; a wall without one is adiabatic"}, k_acts,
+    {
+        key("wall", &WallHeat::wall, "name of a wall or of a side (domain_x_lower ... domain_z_upper)",
+            "\"domain_z_lower\"")
+            .required(),
+        key("temperature", &WallHeat::temperature, "K", k_kelvin, "of the wall, or beyond its layer; this or flux",
+            "[[0, 300], [10, 400]]")
+            .absent("(none)")
+            .usual("", "flux"),
+        key("flux", &WallHeat::flux, "W/m2", k_finite,
+            "heat per area of the wall, shared by the grains that touch it in proportion to their contact "
+            "conductances; where none does, nothing enters",
+            "2000")
+            .absent("(none)"),
+        key("layer", &WallHeat::layer, "m, W/m/K", k_positive,
+            "[thickness, conductivity] of a layer in series with each contact, over the cross-section of the grain",
+            "[0.01, 0.05]")
+            .absent("(none)"),
+    });
+
+const Keys<GasHeat> k_gas(
+    {"heat.gas", false, "gas of given temperature and velocity that flows past every grain"}, k_acts,
+    {
+        key("temperature", &GasHeat::temperature, "K", k_kelvin, "of the gas", "[[0, 300], [1, 800]]").required(),
+        key("film", &GasHeat::film, "W/m2/K", k_not_negative, "coefficient, in place of a law", "50")
+            .absent("(from the law)"),
+        key("velocity", &GasHeat::velocity, "m/s", k_finite, "superficial velocity of the gas", "[0, 0, 0.5]"),
+        key("law", &GasHeat::law,
+            "Nusselt number of a grain: ranz_marshall 2 + 0.6 Re^1/2 Pr^1/3, whitaker, gunn (with the porosity), wakao",
+            "\"gunn\""),
+        key("porosity", &GasHeat::porosity, "-", {0, 1, true}, "of the bed, for gunn", "0.4").only("law=gunn"),
+        key("conductivity", &GasHeat::conductivity, "W/m/K", k_positive, "of the gas", "0.026"),
+        key("viscosity", &GasHeat::viscosity, "Pa s", k_positive, "of the gas", "1.8e-5"),
+        key("density", &GasHeat::density, "kg/m3", k_positive, "of the gas", "1.2"),
+        key("capacity", &GasHeat::capacity, "J/kg/K", k_positive, "of the gas", "1005"),
+    });
+
+const Keys<GapHeat> k_gap(
+    {"heat.gap", false, "conduction through stagnant gas between grains that are near each other"}, k_acts,
+    {
+        key("conductivity", &GapHeat::conductivity, "W/m/K", k_positive, "of the gas", "0.026").required(),
+        key("layer", &GapHeat::layer, "-", {0, 4, true},
+            "thickness of the layer of gas that takes part / radius (of unequal grains their harmonic mean)", "0.4"),
+        key("least_gap", &GapHeat::least_gap, "m", k_positive, "gaps conduct as if they were at least this wide",
+            "2.75e-8"),
+    });
+
+const Keys<RadiationHeat> k_radiation(
+    {"heat.radiation", false, "radiation between grains and to an enclosure"}, k_acts,
+    {
+        key("grains", &RadiationHeat::grains,
+            "between near grains, by areas that are the same seen from both: the mean of what each sees of the other, "
+            "less where others stand before",
+            "true")
+            .usual("", "enclosure"),
+        key("range", &RadiationHeat::range, "-", {0, 10, true},
+            "largest gap between two grains that see each other / their mean radius", "1.5"),
+        key("enclosure", &RadiationHeat::enclosure, "K", k_kelvin,
+            "temperature of what a grain sees where it sees no other", "1200")
+            .absent("(none)"),
+    });
+
+/// Names of the sides that are walls, as the engine calls them.
+bool is_side(const Scene& scene, const std::string& name) {
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t side = 0; side < 2; ++side)
+      if (scene.domain.boundary[k][side] == Boundary::wall &&
+          name == fmt::format("domain_{}_{}", "xyz"[k], side == 0 ? "lower" : "upper"))
+        return true;
+  return false;
+}
+
+void read_wall(const SceneTable& r, Scene& scene) {
+  WallHeat w;
+  k_wall.read(r, w);
+  const auto same = [&](const auto& other) { return other.wall == w.wall; };
+  if (std::none_of(scene.walls.begin(), scene.walls.end(), [&](const WallSpec& s) { return s.name == w.wall; }) &&
+      !is_side(scene, w.wall))
+    r.fail("wall", "no such wall, nor a side of the domain that is one");
+  if (std::any_of(scene.heat.walls.begin(), scene.heat.walls.end(), same)) r.fail("wall", "is given twice");
+  r.exclusive("temperature", "flux");
+  if (!w.temperature.given() && !w.flux.given()) r.missing("temperature", "(or flux)");
+  if (r.has("layer") && w.layer.size() != 2) r.fail("layer", "must be [thickness, conductivity]");
+  if (r.has("layer") && w.flux.given()) r.fail("layer", "has no effect with a flux");
+  scene.heat.walls.push_back(w);
+}
+
+/// Materials take what they lack from [heat].
+void read_matter(const SceneTable& heat, const std::vector<SceneTable>& materials, const General& general,
+                 HeatScene& h) {
+  h.matter.assign(materials.size(), general);
+  for (std::size_t k = 0; k < materials.size(); ++k) {
+    MatterHeat& m = h.matter[k];
+    if (materials[k].has("heat")) k_material.read(materials[k].section("heat"), m);
+    if (!m.capacity.given()) heat.missing("capacity", "since a material has none of its own");
+    if (!m.conductivity.given()) heat.missing("conductivity", "since a material has none of its own");
+  }
+}
+
+void check_young(const SceneTable& heat, const Scene& scene) {
+  const auto given = [](const MatterHeat& m) { return m.young > 0; };
+  const auto& all = scene.heat.matter;
+  if (std::any_of(all.begin(), all.end(), given) && !std::all_of(all.begin(), all.end(), given))
+    heat.missing("young", "since some materials give theirs");
+  if (heat.has("softening") && !given(all.front())) heat.fail("softening", "has no effect without young");
+  if (heat.has("softening") && scene.contact.normal_stiffness > 0)
+    heat.fail("softening", "has no effect with the linear law, whose force is taken as the load");
+}
+
+void refuse_without_heat(const SceneTable& root) {
+  const char* none = "has no effect without a [heat] section";
+  for (const SceneTable& m : root.sections("material"))
+    if (m.has("heat")) m.fail("heat", none);
+  for (const SceneTable& s : root.sections("source"))
+    for (const char* name : {"temperature", "hold_temperature"})
+      if (s.has(name)) s.fail(name, none);
+}
+
+void read(const SceneTable& root, Scene& scene) {
+  if (!root.has("heat")) return refuse_without_heat(root);
+  const SceneTable r = root.section("heat");
+  General general;
+  k_heat.read(r, general);
+  HeatScene& h = scene.heat = general;
+  h.on = true;
+  read_matter(r, root.sections("material"), general, h);
+  check_young(r, scene);
+  const std::vector<SceneTable> sources = root.sections("source");
+  for (const SceneTable& s : sources) {
+    SourceHeat source;
+    source.temperature = h.temperature;
+    k_source.read(s, source);
+    h.sources.push_back(source);
+  }
+  for (const SceneTable& w : r.sections("wall")) read_wall(w, scene);
+  h.gas.on = r.has("gas");
+  if (h.gas.on) {
+    const SceneTable gas = r.section("gas");
+    k_gas.read(gas, h.gas);
+    if (gas.has("film"))
+      for (const char* name : {"velocity", "law", "porosity", "conductivity", "viscosity", "density", "capacity"})
+        if (gas.has(name)) gas.fail(name, "has no effect with a given film");
+  }
+  if (r.has("gap")) k_gap.read(r.section("gap"), h.gap);
+  if (r.has("radiation")) {
+    const SceneTable radiation = r.section("radiation");
+    k_radiation.read(radiation, h.radiation);
+    if (!h.radiation.grains && radiation.has("range")) radiation.fail("range", "has no effect without grains = true");
+    if (!h.radiation.grains && !h.radiation.enclosure.given()) radiation.missing("enclosure", "(or grains = true)");
+  }
+}
+
+}  // namespace
+
+const PartSections& heat_sections() {
+  static const PartSections all{{&k_heat, &k_material, &k_source, &k_wall, &k_gas, &k_gap, &k_radiation}, read};
+  return all;
+}
+
+}  // namespace talus

@@ -1,0 +1,68 @@
+// What `talus check` says of heat: Biot numbers, and how long a heat step may be.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/heat/convection.hpp"
+#include "core/heat/radiation.hpp"
+#include "scheduler/parts/heat.hpp"
+
+namespace talus {
+namespace {
+
+/// Largest coefficient that a grain of diameter d sees from gas and enclosure at the start [W/m2/K].
+double coefficient(const HeatScene& h, const HeatMatter& m, double d) {
+  double film = 0;
+  if (h.gas.on) {
+    const GasHeat& g = h.gas;
+    const heat::GasAt at{g.temperature(0), g.velocity,     g.density,
+                         g.viscosity,      g.conductivity, g.viscosity * g.capacity / g.conductivity,
+                         g.porosity};
+    film = g.film >= 0 ? g.film : heat::film_coefficient(g.law, at, {}, d);
+  }
+  const double hot = h.radiation.enclosure.given() ? h.radiation.enclosure.most()
+                     : h.radiation.grains          ? h.temperature
+                                                   : 0;
+  if (hot > 0) film += heat::k_stefan * m.emissivity * heat::radiant_slope(h.temperature, hot);
+  return film;
+}
+
+}  // namespace
+
+std::vector<std::string> heat_advice(const HeatState& s, const PartView& w) {
+  std::vector<std::string> lines;
+  std::vector<double> radius(s.matter.size(), 0.0), contacts(s.matter.size(), 0.0);
+  double excess = 0;
+  for (Row i = 0; i < w.rows.n; ++i) {
+    if (!w.rows.is_alive(i)) continue;
+    const auto at = static_cast<std::size_t>(i), m = static_cast<std::size_t>(s.material(w, i));
+    const double r = w.rows.p[4L * i + 3];
+    radius[m] = std::max(radius[m], r);
+    contacts[m] = std::max(contacts[m], s.conductance[at] / (4 * det::k_pi * r * r));
+    excess = std::max(excess, s.dt(w) * s.conductance[at] / (mass_of(w.rules, w.rows, i) * s.matter[m].least_capacity));
+  }
+  for (std::size_t m = 0; m < s.matter.size(); ++m) {
+    if (!(radius[m] > 0)) continue;
+    const double k = s.matter[m].conductivity.at(s.scene.temperature);
+    const double h = std::max(coefficient(s.scene, s.matter[m], 2 * radius[m]), contacts[m]);
+    const double biot = k > 0 ? h * radius[m] / (3 * k) : k_never;
+    lines.push_back(fmt::format(
+        "{}: Bi = h R/(3 k) = {:.2g} of the largest grain (h = {:.3g} W/m2/K): {}", w.rules.scene.materials[m].name,
+        biot, h,
+        biot <= 0.1 ? "one temperature per grain is enough"
+                    : fmt::format("its inside lags behind, errors of about {:.0f} %; it would need shells, {} or more",
+                                  std::min(100.0, 60 * biot), biot < 3 ? 10 : 20)));
+  }
+  if (excess > 0)
+    lines.push_back(fmt::format(
+        "every = {} ({:.3g} s); by what grains exchange now at most {}, for errors of about 1 % "
+        "of a change {}",
+        s.scene.every, s.dt(w), static_cast<std::int64_t>(static_cast<double>(s.scene.every) / excess),
+        std::max<std::int64_t>(1, static_cast<std::int64_t>(0.02 * static_cast<double>(s.scene.every) / excess))));
+  else
+    lines.push_back(fmt::format("every = {} ({:.3g} s); the largest that is allowed is known after the first heat step",
+                                s.scene.every, s.dt(w)));
+  return lines;
+}
+
+}  // namespace talus

@@ -1,0 +1,47 @@
+// Conduction through the contacts of a chunk, and what a contact of two materials conducts. Invariants: I3 (terms of a
+// grain in list order), antisymmetric to the bit.
+#include <algorithm>
+
+#include "core/heat/contact.hpp"
+#include "scheduler/parts/heat.hpp"
+#include "scheduler/team/pools.hpp"
+
+namespace talus {
+
+double HeatPair::of(double r_star, double overlap) const {
+  switch (radius) {
+    case Radius::overlap:
+      return scale * heat::hertz_contact_radius(r_star, overlap);
+    case Radius::force:
+      return heat::hertz_radius_of_force(r_star, kn * overlap, e_star);
+    case Radius::neck:
+      return scale * heat::jkr_contact_radius(r_star, overlap, kappa);
+  }
+  return 0;
+}
+
+void heat_contacts(HeatState& s, const PartView& w, const Chunk& c) {
+  const Scratch& t = *c.scratch;
+  const double *T = s.temperature.data(), *p = w.rows.p.data();
+  double *flow = s.flow.data(), *conductance = s.conductance.data();
+  std::fill(flow + c.lo, flow + c.hi, 0.0);
+  std::fill(conductance + c.lo, conductance + c.hi, 0.0);
+  const Box box = w.rules.scene.domain.box();
+  for (std::int64_t q = 0; q < c.contacts.end[2]; ++q) {
+    const Row i = t.ci[static_cast<std::size_t>(q)], j = t.cj[static_cast<std::size_t>(q)];
+    const double *a = p + 4L * i, *b = p + 4L * j;
+    const double d = norm(box.nearest({a[0] - b[0], a[1] - b[1], a[2] - b[2]}));
+    const int m = s.material(w, i), k = s.material(w, j);
+    const double radius = s.pair(m, k).of(heat::reduced(a[3], b[3]), (a[3] + b[3]) - d);
+    const double g = heat::contact_conductance(s.matter[static_cast<std::size_t>(m)].conductivity.at(T[i]),
+                                               s.matter[static_cast<std::size_t>(k)].conductivity.at(T[j]), radius);
+    const double f = g * (T[j] - T[i]);
+    flow[i] = flow[i] + f;
+    conductance[i] = conductance[i] + g;
+    if (q < c.contacts.end[0] || q >= c.contacts.end[1]) continue;
+    flow[j] = flow[j] - f;
+    conductance[j] = conductance[j] + g;
+  }
+}
+
+}  // namespace talus

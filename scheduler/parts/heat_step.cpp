@@ -1,0 +1,365 @@
+// The end of a heat step: flows that reach without touching, gas, enclosure, then enthalpies and temperatures. In
+// blocks of 1024 rows, on all threads; sums over rows are added up block by block (I3).
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/heat/contact.hpp"
+#include "core/heat/radiation.hpp"
+#include "scheduler/parts/heat.hpp"
+#include "scheduler/parts/heat_near.hpp"
+#include "scheduler/state/step_failure.hpp"
+
+namespace talus {
+namespace {
+
+constexpr Row k_rows = 1024;  // per block
+
+/// A grain that another exchanges with over a distance.
+struct Near {
+  Row j;
+  double gap;   ///< conductance of the gas between; of two fixed grains that of their contact too [W/K]
+  double area;  ///< of radiation, not yet shaded [m2]
+};
+
+struct NearWall {
+  int entry;         ///< of [[heat.wall]]
+  double gap, area;  ///< as in Near
+  double emissivity;
+};
+
+/// Neighbours of the rows of a block.
+struct NearRows {
+  std::vector<Near> all;
+  std::vector<NearWall> walls;
+  std::vector<std::int32_t> first, first_wall;
+};
+
+/// What a block's rows have received, for the ledger [W]; friction and held [J].
+struct BlockSums {
+  double gas = 0, radiation = 0, friction = 0, held = 0, inside = 0;
+  std::vector<double> source, wall;
+  Row worst = -1;  ///< row whose step is farthest beyond its limit
+  double excess = 1;
+};
+
+class HeatStep {
+ public:
+  HeatStep(HeatState& s, const PartView& w)
+      : s_(s), w_(w), dt_(s.dt(w)), gas_(part_as<GasAround>(w.parts)), inside_(part_as<GrainInside>(w.parts)) {
+    blocks_ = (w.rows.n + k_rows - 1) / k_rows;
+    sums_.resize(static_cast<std::size_t>(blocks_));
+  }
+
+  void run() {
+    for (BlockSums& b : sums_) b.wall.assign(s_.scene.walls.size(), 0.0);
+    if (reaches() || w_.rules.has.fixed) find_near();
+    w_.blocks(blocks_, [&](int b) { exchange(b); });
+    refuse_overshoot();
+    w_.blocks(blocks_, [&](int b) { advance(b); });
+    if (inside_ != nullptr)
+      inside_->advance(w_, {s_.flow.data(), s_.conductance.data(), dt_}, s_.next_temperature.data());
+    add_up();
+  }
+
+ private:
+  template <class F>
+  void for_rows(int b, F fn) const {
+    for (Row i = b * k_rows; i < std::min<Row>(w_.rows.n, (b + 1) * k_rows); ++i)
+      if (w_.rows.is_alive(i)) fn(i);
+  }
+  const HeatMatter& matter(Row i) const { return s_.matter[static_cast<std::size_t>(s_.material(w_, i))]; }
+  double radius(Row i) const { return w_.rows.p[4L * i + 3]; }
+  double surface(Row i) const { return 4 * det::k_pi * (radius(i) * radius(i)); }
+  /// Another part computes its inside.
+  bool inside(Row i) const { return inside_ != nullptr && inside_->owns(s_.material(w_, i)); }
+  double least_capacity(Row i) const {
+    if (inside(i)) return inside_->surface_capacity(i);
+    return mass_of(w_.rules, w_.rows, i) * matter(i).least_capacity;
+  }
+
+  /// Something acts without touching.
+  bool reaches() const { return s_.scene.gap.conductivity > 0 || s_.scene.radiation.grains; }
+  bool fixed(Row i) const { return w_.rules.has.fixed && w_.rows.fixed[i] != 0; }
+  /// Contact of two fixed grains, which no list of the engine holds: neither can move.
+  double fixed_contact(Row i, Row j, double overlap) const {
+    if (!(overlap > 0) || !fixed(i) || !fixed(j)) return 0;
+    const double a = s_.pair(s_.material(w_, i), s_.material(w_, j)).of(heat::reduced(radius(i), radius(j)), overlap);
+    return heat::contact_conductance(matter(i).conductivity.at(s_.temperature[static_cast<std::size_t>(i)]),
+                                     matter(j).conductivity.at(s_.temperature[static_cast<std::size_t>(j)]), a);
+  }
+
+  // --- near grains ---------------------------------------------------------------------------------------------------
+
+  /// Largest distance of centres at which grains of radii r and q exchange something [m].
+  double reach(double r, double q) const {
+    const double film = s_.scene.gap.conductivity > 0 ? 2 * s_.scene.gap.layer * heat::reduced(r, q) : 0;
+    const double sight = s_.scene.radiation.grains ? s_.scene.radiation.range * (0.5 * (r + q)) : 0;
+    return (r + q) + fmax2(film, sight);
+  }
+
+  void find_near() {
+    const NearGrid grid(w_, reach(w_.rules.r_max, w_.rules.r_max));
+    near_.resize(static_cast<std::size_t>(blocks_));
+    shade_.assign(static_cast<std::size_t>(w_.rows.n), 1.0);
+    entry_ = heat_wall_entries(s_, w_.walls);
+    w_.blocks(blocks_, [&](int b) { find_near(grid, b); });
+  }
+
+  void find_near(const NearGrid& grid, int b) {
+    NearRows& near = near_[static_cast<std::size_t>(b)];
+    std::vector<Row> partners;
+    std::vector<std::int32_t> elements;
+    const Box box = w_.rules.scene.domain.box();
+    const GapHeat& gap = s_.scene.gap;
+    for_rows(b, [&](Row i) {
+      near.first.push_back(static_cast<std::int32_t>(near.all.size()));
+      near.first_wall.push_back(static_cast<std::int32_t>(near.walls.size()));
+      partners.clear();
+      if (reaches() || fixed(i)) grid.partners(w_, i, partners);
+      const double* a = w_.rows.p.data() + 4L * i;
+      double seen = reaches() ? find_walls(a, near.walls, elements) : 0.0;
+      for (const Row j : partners) {
+        const double* o = w_.rows.p.data() + 4L * j;
+        const double d = norm(box.nearest({a[0] - o[0], a[1] - o[1], a[2] - o[2]}));
+        if (!(d < reach(a[3], o[3]))) continue;
+        Near n{j, 0, 0};
+        const double contact = fixed_contact(i, j, (a[3] + o[3]) - d);
+        if (gap.conductivity > 0)
+          n.gap = heat::gap_conductance(gap.conductivity, 2 * heat::reduced(a[3], o[3]), d - (a[3] + o[3]), gap.layer,
+                                        gap.least_gap);
+        if (s_.scene.radiation.grains && d < (a[3] + o[3]) + s_.scene.radiation.range * (0.5 * (a[3] + o[3])))
+          n.area = heat::exchange_area(a[3], o[3], d);
+        seen = seen + n.area;
+        n.gap = n.gap + contact;
+        if (n.gap > 0 || n.area > 0) near.all.push_back(n);
+      }
+      // more than the whole surface cannot be seen: those behind stand in the shade of those before
+      shade_[static_cast<std::size_t>(i)] = seen > surface(i) ? surface(i) / seen : 1.0;
+    });
+    near.first.push_back(static_cast<std::int32_t>(near.all.size()));
+    near.first_wall.push_back(static_cast<std::int32_t>(near.walls.size()));
+  }
+
+  /// Walls of given temperature near position row a. Returns the area of the grain that they are seen from.
+  double find_walls(const double* a, std::vector<NearWall>& found, std::vector<std::int32_t>& elements) const {
+    if (s_.scene.walls.empty()) return 0;
+    const GapHeat& gap = s_.scene.gap;
+    const bool radiates = s_.scene.radiation.grains;
+    const double reach = heat_reach(s_.scene, a[3]);
+    elements.clear();
+    w_.walls.candidates({a[0], a[1], a[2]}, reach, elements);
+    WallContact contact[WallSet::k_max_contacts];
+    const int n = elements.empty() ? 0 : w_.walls.contacts({a[0], a[1], a[2]}, reach, elements, contact);
+    double seen = 0;
+    for (int k = 0; k < n; ++k) {
+      const int e = entry_[static_cast<std::size_t>(contact[k].wall)];
+      if (e < 0 || !s_.scene.walls[static_cast<std::size_t>(e)].temperature.given()) continue;
+      const WallHeat& wall = s_.scene.walls[static_cast<std::size_t>(e)];
+      NearWall w{e, 0, 0, s_.matter[static_cast<std::size_t>(w_.walls.material(contact[k].wall))].emissivity};
+      if (gap.conductivity > 0)
+        w.gap = heat::gap_conductance_to_plane(gap.conductivity, a[3], contact[k].distance - a[3], gap.layer,
+                                               gap.least_gap);
+      if (!wall.layer.empty() && w.gap > 0)
+        w.gap = 1 / (1 / w.gap + wall.layer[0] / (wall.layer[1] * (det::k_pi * (a[3] * a[3]))));
+      if (radiates && wall.layer.empty())
+        w.area = 4 * det::k_pi * (a[3] * a[3]) * heat::share_of_plane(contact[k].distance, reach);
+      seen = seen + w.area;
+      found.push_back(w);
+    }
+    return seen;
+  }
+
+  /// Of row i, number q of its block. Returns the share of its surface that sees no other grain.
+  double exchange_near(BlockSums& sum, const NearRows& near, std::size_t q, Row i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double T = s_.temperature[at], e = matter(i).emissivity;
+    double seen = 0;
+    for (std::int32_t k = near.first[q]; k < near.first[q + 1]; ++k) {
+      const Near& n = near.all[static_cast<std::size_t>(k)];
+      const auto j = static_cast<std::size_t>(n.j);
+      double g = n.gap;
+      if (n.area > 0) {
+        const double area = n.area * fmin2(shade_[at], shade_[j]);
+        seen = seen + area;
+        g = g + heat::k_stefan * (area * heat::grey_factor(e, matter(n.j).emissivity)) *
+                    heat::radiant_slope(T, s_.temperature[j]);
+      }
+      add(at, g, s_.temperature[j]);
+    }
+    for (std::int32_t k = near.first_wall[q]; k < near.first_wall[q + 1]; ++k) {
+      const NearWall& n = near.walls[static_cast<std::size_t>(k)];
+      const auto wall = static_cast<std::size_t>(n.entry);
+      const double other = s_.scene.walls[wall].temperature(s_.middle(w_)), area = n.area * shade_[at];
+      seen = seen + area;
+      const double g =
+          n.gap + heat::k_stefan * (area * heat::grey_factor(e, n.emissivity)) * heat::radiant_slope(T, other);
+      sum.wall[wall] = sum.wall[wall] + add(at, g, other);
+    }
+    const double rest = 1 - seen / surface(i);
+    return rest > 0 ? rest : 0.0;
+  }
+
+  // --- one grain alone -----------------------------------------------------------------------------------------------
+
+  /// Returns the flow [W].
+  double add(std::size_t i, double g, double other) {
+    const double f = g * (other - s_.temperature[i]);
+    s_.flow[i] = s_.flow[i] + f;
+    s_.conductance[i] = s_.conductance[i] + g;
+    return f;
+  }
+
+  heat::GasAt gas_of(Row i) const {
+    if (gas_ != nullptr) return gas_->gas_at(w_, i);
+    const GasHeat& g = s_.scene.gas;
+    return {g.temperature(s_.middle(w_)),
+            g.velocity,
+            g.density,
+            g.viscosity,
+            g.conductivity,
+            g.viscosity * g.capacity / g.conductivity,
+            g.porosity};
+  }
+
+  void exchange(int b) {
+    BlockSums& sum = sums_[static_cast<std::size_t>(b)];
+    const bool gas = gas_ != nullptr || s_.scene.gas.on;
+    const RadiationHeat& radiation = s_.scene.radiation;
+    const double enclosure = radiation.enclosure.given() ? radiation.enclosure(s_.middle(w_)) : 0;
+    std::size_t q = 0;
+    for_rows(b, [&](Row i) {
+      const auto at = static_cast<std::size_t>(i);
+      double open = 1;
+      if (!near_.empty()) open = exchange_near(sum, near_[static_cast<std::size_t>(b)], q++, i);
+      const bool own_film = inside(i) && inside_->owns_film();
+      if (gas && !own_film) {
+        const heat::GasAt g = gas_of(i);
+        const double* v = w_.rows.v.data() + static_cast<long>(w_.rows.stride) * i;
+        const double film = s_.scene.gas.film >= 0
+                                ? s_.scene.gas.film
+                                : heat::film_coefficient(s_.scene.gas.law, g, {v[0], v[1], v[2]}, 2 * radius(i));
+        const double f = add(at, film * surface(i), g.temperature);
+        s_.from_gas[at] = dt_ * f;
+        sum.gas = sum.gas + f;
+      }
+      if (enclosure > 0 && !own_film)
+        sum.radiation = sum.radiation + add(at,
+                                            heat::k_stefan * (open * surface(i) * matter(i).emissivity) *
+                                                heat::radiant_slope(s_.temperature[at], enclosure),
+                                            enclosure);
+      if (s_.any_held && s_.held[at] > 0) return;
+      const double excess = dt_ * s_.conductance[at] / least_capacity(i);
+      if (!(excess <= sum.excess)) sum.excess = excess, sum.worst = i;
+    });
+  }
+
+  void refuse_overshoot() const {
+    const BlockSums* worst = nullptr;
+    for (const BlockSums& b : sums_)
+      if (b.worst >= 0 && (worst == nullptr || !(b.excess <= worst->excess))) worst = &b;
+    if (worst == nullptr) return;
+    const double most = static_cast<double>(s_.scene.every) / worst->excess;
+    throw StepFailure(
+        {w_.rows.id[worst->worst]},
+        fmt::format("the heat step of {:.6g} s is too long for grain {}: it would overshoot what surrounds it", dt_,
+                    w_.rows.id[worst->worst]),
+        most >= 1 ? fmt::format("heat.every = {} at most", static_cast<std::int64_t>(most))
+                  : fmt::format("heat.every = 1 and time.step = {:.3g} at most", most * w_.rules.scene.dt));
+  }
+
+  // --- the new state -------------------------------------------------------------------------------------------------
+
+  /// Temperature at which the capacity has integrated to `per_mass` [J/kg], from one that is near.
+  static double temperature_of(const heat::Property& capacity, double per_mass, double near) {
+    if (!capacity.varies()) return per_mass / capacity.at(0.0);
+    double T = near;
+    for (int k = 0; k < 60; ++k) {
+      const double step = (per_mass - capacity.integral(T)) / capacity.at(T);
+      T = T + step;
+      if (step * step <= 1e-30 * (T * T)) break;
+    }
+    return T;
+  }
+
+  void advance(int b) {
+    BlockSums& sum = sums_[static_cast<std::size_t>(b)];
+    sum.source.assign(s_.source_flow.size(), 0.0);
+    for_rows(b, [&](Row i) {
+      const auto at = static_cast<std::size_t>(i);
+      s_.next_enthalpy[at] = s_.enthalpy[at];
+      s_.next_temperature[at] = s_.temperature[at];
+      double heat = dt_ * s_.flow[at];
+      if (s_.scene.friction) {
+        heat = heat + s_.loss[at];
+        sum.friction = sum.friction + s_.loss[at];
+        s_.loss[at] = 0;
+      }
+      if (s_.any_held && s_.held[at] > 0) {
+        double& source = sum.source[static_cast<std::size_t>(s_.held[at]) - 1];
+        source = source - s_.flow[at];
+        sum.held = sum.held - heat;
+      } else if (inside(i)) {
+        sum.inside = sum.inside - heat;
+      } else {
+        s_.next_enthalpy[at] = s_.enthalpy[at] + heat;
+        s_.next_temperature[at] = temperature_of(
+            matter(i).capacity, s_.next_enthalpy[at] / mass_of(w_.rules, w_.rows, i), s_.temperature[at]);
+      }
+      if (!(s_.next_temperature[at] > 0)) sum.worst = i;
+    });
+  }
+
+  void add_up() {
+    std::fill(s_.source_flow.begin(), s_.source_flow.end(), 0.0);
+    for (const BlockSums& b : sums_) {
+      if (b.worst >= 0)
+        throw StepFailure({w_.rows.id[b.worst]},
+                          fmt::format("grain {} has lost more heat than it had", w_.rows.id[b.worst]),
+                          "a negative flux of a wall takes more than there is");
+      s_.totals.gas = s_.totals.gas + dt_ * b.gas;
+      s_.totals.radiation = s_.totals.radiation + dt_ * b.radiation;
+      s_.totals.friction = s_.totals.friction + b.friction;
+      s_.totals.held = s_.totals.held + b.held;
+      s_.totals.inside = s_.totals.inside + b.inside;
+      for (std::size_t k = 0; k < b.wall.size(); ++k) s_.wall_flow[k] = s_.wall_flow[k] + b.wall[k];
+      for (std::size_t k = 0; k < s_.source_flow.size(); ++k) s_.source_flow[k] = s_.source_flow[k] + b.source[k];
+    }
+    for (std::size_t e = 0; e < s_.wall_flow.size(); ++e) {
+      const double heat = dt_ * s_.wall_flow[e];
+      s_.wall_heat[e] = s_.wall_heat[e] + heat;
+      s_.totals.walls = s_.totals.walls + heat;
+    }
+  }
+
+  HeatState& s_;
+  const PartView& w_;
+  const double dt_;
+  const GasAround* gas_;
+  GrainInside* inside_;
+  int blocks_ = 0;
+  std::vector<BlockSums> sums_;
+  std::vector<NearRows> near_;
+  std::vector<int> entry_;     ///< of each wall
+  std::vector<double> shade_;  ///< by row: share of what it would see that is in sight
+};
+
+}  // namespace
+
+double HeatState::middle(const PartView& w) const {
+  return (static_cast<double>(w.clock.step + 1) - 0.5 * static_cast<double>(scene.every)) * w.rules.scene.dt;
+}
+
+int HeatState::material(const PartView& w, Row i) const { return w.rules.has.materials ? w.rows.material[i] : 0; }
+
+void heat_step(HeatState& s, const PartView& w) {
+  s.clock = &w.clock;
+  s.totals_before = s.totals;
+  heat_walls(s, w);
+  HeatStep(s, w).run();
+  std::swap(s.temperature, s.next_temperature);
+  std::swap(s.enthalpy, s.next_enthalpy);
+  s.last_step = w.clock.step;
+}
+
+}  // namespace talus

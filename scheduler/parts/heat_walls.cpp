@@ -1,0 +1,85 @@
+// Heat between walls and the grains that touch them. Serial, in row order and for each row in the order of walls (I3):
+// contacts with walls are few. A wall without an entry in [[heat.wall]] is adiabatic.
+#include <algorithm>
+
+#include "core/heat/contact.hpp"
+#include "scheduler/parts/heat.hpp"
+
+namespace talus {
+namespace {
+
+/// At step 0, whatever the present pose: a resumed run finds the same.
+double area_of(const PartView& w, const std::string& name) {
+  WallSet walls = w.walls;
+  walls.set_step(0, w.rules.scene.dt);
+  double area = 0;
+  for (const WallSurface& surface : walls.surfaces()) {
+    if (surface.name != name) continue;
+    for (const auto& t : surface.triangles) {
+      const Vec3 a = surface.points[static_cast<std::size_t>(t[0])];
+      area += 0.5 * norm(cross(surface.points[static_cast<std::size_t>(t[1])] - a,
+                               surface.points[static_cast<std::size_t>(t[2])] - a));
+    }
+  }
+  return area;
+}
+
+/// Of one contact with the wall's surface, its layer included [W/K].
+double conductance_of(const HeatState& s, const PartView& w, const WallHeat& wall, const WallState& t) {
+  const double r = w.rows.p[4L * t.row + 3], T = s.temperature[static_cast<std::size_t>(t.row)];
+  const int m = s.material(w, t.row), k = w.walls.material(t.contact.wall);
+  const double a = s.pair(m, k).of(r, r - t.contact.distance);
+  const double g = heat::contact_conductance(s.matter[static_cast<std::size_t>(m)].conductivity.at(T),
+                                             s.matter[static_cast<std::size_t>(k)].conductivity.at(T), a);
+  if (wall.layer.empty() || !(g > 0)) return g;
+  return 1 / (1 / g + wall.layer[0] / (wall.layer[1] * (det::k_pi * (r * r))));
+}
+
+template <class F>
+void for_contacts(const PartView& w, const std::vector<int>& entry, F fn) {
+  for (const auto& c : w.contacts.chunks)
+    for (const WallState& t : c->wall.state) {
+      const int e = entry[static_cast<std::size_t>(t.contact.wall)];
+      if (e >= 0 && w.rows.is_alive(t.row)) fn(static_cast<std::size_t>(e), t);
+    }
+}
+
+}  // namespace
+
+std::vector<int> heat_wall_entries(const HeatState& s, const WallSet& walls) {
+  std::vector<int> entry(static_cast<std::size_t>(walls.size()), -1);
+  for (int k = 0; k < walls.size(); ++k)
+    for (std::size_t e = 0; e < s.scene.walls.size(); ++e)
+      if (s.scene.walls[e].wall == walls.name(k)) entry[static_cast<std::size_t>(k)] = static_cast<int>(e);
+  return entry;
+}
+
+void heat_walls(HeatState& s, const PartView& w) {
+  std::fill(s.wall_flow.begin(), s.wall_flow.end(), 0.0);
+  if (s.scene.walls.empty()) return;
+  const std::vector<int> entry = heat_wall_entries(s, w.walls);
+  if (s.wall_area.empty())
+    for (const WallHeat& wall : s.scene.walls) s.wall_area.push_back(wall.flux.given() ? area_of(w, wall.wall) : 0.0);
+  const double now = s.middle(w);
+  // what a unit of conductance receives of a given flux
+  std::vector<double> share(s.scene.walls.size(), 0.0), sum(s.scene.walls.size(), 0.0);
+  for_contacts(w, entry, [&](std::size_t e, const WallState& t) {
+    if (s.scene.walls[e].flux.given()) sum[e] = sum[e] + conductance_of(s, w, s.scene.walls[e], t);
+  });
+  for (std::size_t e = 0; e < share.size(); ++e)
+    if (sum[e] > 0) share[e] = s.scene.walls[e].flux(now) * s.wall_area[e] / sum[e];
+  for_contacts(w, entry, [&](std::size_t e, const WallState& t) {
+    const WallHeat& wall = s.scene.walls[e];
+    const auto i = static_cast<std::size_t>(t.row);
+    const double g = conductance_of(s, w, wall, t);
+    double f = g * share[e];
+    if (wall.temperature.given()) {
+      f = g * (wall.temperature(now) - s.temperature[i]);
+      s.conductance[i] = s.conductance[i] + g;
+    }
+    s.flow[i] = s.flow[i] + f;
+    s.wall_flow[e] = s.wall_flow[e] + f;
+  });
+}
+
+}  // namespace talus

@@ -1,0 +1,111 @@
+// Part "heat": temperatures depend on the trajectory alone, a resume goes on to the bit, a scene without it has nothing
+// of it; energy balances while grains come, go and rub.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scheduler/step/access.hpp"
+#include "tests/determinism/scenes.hpp"
+#include "tests/determinism/variants.hpp"
+
+namespace talus::determinism {
+namespace {
+
+constexpr std::int64_t k_run = 1500;  // with two sort epochs
+
+double value_of(const Simulation& sim, const std::string& name) {
+  for (const PartValue& v : sim.part_values())
+    if (v.name == name) return v.value;
+  ADD_FAILURE() << "no value " << name;
+  return 0;
+}
+
+struct Final {
+  std::uint64_t hash;
+  std::vector<double> values;
+  std::string bytes;
+  bool operator==(const Final&) const = default;
+};
+
+Final final_of(const Simulation& sim) {
+  Final f{sim.state_hash(), {}, checkpoint_bytes(sim)};
+  for (const PartValue& v : sim.part_values()) f.values.push_back(v.value);
+  return f;
+}
+
+const std::vector<Scene (*)()>& builds() {
+  static const std::vector<Scene (*)()> all{hopper, pile_on_mesh, sticky_drum, sheared_bed};
+  return all;
+}
+
+TEST(HeatPart, EnergyBalancesWhileGrainsComeGoAndRub) {
+  for (Scene (*build)() : builds()) {
+    Simulation sim(heated(build()), RunOptions{});
+    const double before = value_of(sim, "heat.mean");
+    sim.run(k_run);
+    EXPECT_LT(std::fabs(value_of(sim, "heat.residual")), 1e-11 * value_of(sim, "heat.total")) << build().title;
+    EXPECT_NE(value_of(sim, "heat.in_by_friction"), 0) << build().title;
+    EXPECT_NE(value_of(sim, "heat.mean"), before);
+    EXPECT_GE(value_of(sim, "heat.lowest"), 300) << build().title;
+  }
+}
+
+TEST(HeatPart, ValuesDependOnTheTrajectoryAlone) {
+  for (Scene (*build)() : builds()) {
+    const Scene s = heated(build());
+    const Variant plain{ListPolicy::local, 200, 1, 0, Isa::automatic};
+    Simulation first(plain.apply(s), plain.options());
+    first.run(k_run);
+    const Final wanted = final_of(first);
+    for (const Variant& way :
+         {Variant{ListPolicy::paper, 10, 2, 64, Isa::sse2}, Variant{ListPolicy::always, 0, 3, 257, Isa::scalar},
+          Variant{ListPolicy::outer_inner, 100, 8, 64, Isa::automatic}}) {
+      Simulation sim(way.apply(s), way.options());
+      sim.run(k_run);
+      EXPECT_TRUE(final_of(sim) == wanted) << s.title << ": " << way.text();
+    }
+  }
+}
+
+TEST(HeatPart, ResumeGoesOnToTheBitBetweenTwoHeatSteps) {
+  const Scene s = heated(hopper());
+  RunOptions o;
+  o.threads = 2;
+  Simulation whole(s, o);
+  whole.run(k_run);
+  const std::string path = temporary_file("heat.checkpoint");
+  {
+    Simulation half(s, o);
+    half.run(733);  // 8 steps into a heat step
+    CheckpointWriter out;
+    half.save(out);
+    out.commit(path);
+  }
+  o.chunk = 64;
+  Simulation rest(s, o, CheckpointReader(path));
+  rest.run(k_run - 733);
+  EXPECT_TRUE(final_of(rest) == final_of(whole));
+}
+
+TEST(HeatPart, ChangesNoMotionAndIsLeftOutWhereTheSceneDoesNotAsk) {
+  const Scene s = hopper();
+  Simulation without(s, RunOptions{}), with(heated(s), RunOptions{});
+  without.run(300);
+  with.run(300);
+  EXPECT_TRUE(without.part_values().empty());
+  EXPECT_TRUE(without.frame().extra.empty());
+  EXPECT_EQ(without.plan().graph.find("heat"), std::string::npos);
+  EXPECT_NE(with.plan().graph.find("wall_contact[c] -> heat_contacts[c] -> integrate[c] -> heat_friction[c]"),
+            std::string::npos)
+      << with.plan().graph;
+  EXPECT_EQ(checkpoint_bytes(without).find("temperature"), std::string::npos);
+  for (const auto& a : without.plan().arrays) EXPECT_EQ(a.name.find("temperature"), std::string::npos);
+  const Frame a = without.frame(), b = with.frame();
+  ASSERT_EQ(a.id, b.id);
+  for (std::size_t k = 0; k < a.x.size(); ++k) EXPECT_EQ(norm2(a.x[k] - b.x[k]), 0);
+  EXPECT_NE(without.state_hash(), with.state_hash()) << "temperatures are state";
+}
+
+}  // namespace
+}  // namespace talus::determinism
