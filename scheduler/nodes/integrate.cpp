@@ -101,6 +101,7 @@ void integrate_chunk(const Rules& rules, const Clock& clock, Rows& rows, const L
   a.unstable = rules.bounds.unstable;
   a.out = c.result.out.data();
   if (rules.hooks.spoil != nullptr) rules.hooks.spoil(clock.step, c, s.f.data());
+  if (clock.sampled) observe_stiffness(rules, rows, c);
   if (rules.has.bodies) {
     integrate_runs(rules, rows, a, c);
     move_bodies(rules, clock, rows, lists, energy, c);

@@ -119,32 +119,32 @@ void warn_of_meshes(const Rules& rules, const Clock& clock, const WallSet& walls
                                   clock.step, 1, 1, 0});
 }
 
+void observe_stiffness(const Rules& rules, const Rows& rows, Chunk& c) {
+  const double dt = rules.scene.dt;
+  ChunkExtremes& x = c.result.extremes = {};
+  for (Row i = c.lo; i < c.hi; ++i) {
+    const double inverse_mass = rows.v[static_cast<long>(rules.stride) * (i + 1) - 1];
+    if (!rows.is_alive(i) || !(inverse_mass > 0)) continue;
+    const double row = c.scratch->f[static_cast<std::size_t>(rules.stride) * static_cast<std::size_t>(i - c.lo) + 3];
+    x.offer(Watch::stiffness, row * inverse_mass * (dt * dt), rules.bounds.warn_row, rows.id[i], -1);
+  }
+}
+
 void observe_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Chunk& c) {
   const Scratch& s = *c.scratch;
   const MonitorSettings& m = rules.scene.monitor;
   const double dt = rules.scene.dt;
   const Box box = rules.scene.domain.box();
-  ChunkExtremes x;
+  ChunkExtremes& x = c.result.extremes;
   x.filled = true;
-  const auto offer = [&x](Watch watch, double value, double level, ParticleId id, ParticleId partner) {
-    auto& e = x.of[static_cast<int>(watch)];
-    if (value > level) ++e.count;
-    if (!(value >= e.value)) return;
-    if (value == e.value && e.id >= 0 && !(std::pair(id, partner) < std::pair(e.id, e.partner))) return;
-    e.value = value;
-    e.id = id;
-    e.partner = partner;
-  };
   for (Row i = c.lo; i < c.hi; ++i) {
     if (!rows.is_alive(i)) continue;
     const double* v = rows.v2.data() + static_cast<long>(rules.stride) * i;
     const double speed = __builtin_sqrt((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
-    const double* f = s.f.data() + static_cast<long>(rules.stride) * (i - c.lo);
-    offer(Watch::travel, speed * dt / rows.p[4L * i + 3], m.warn_travel, rows.id[i], -1);
-    offer(Watch::stiffness, f[3] * v[rules.stride - 1] * (dt * dt), rules.bounds.warn_row, rows.id[i], -1);
+    x.offer(Watch::travel, speed * dt / rows.p[4L * i + 3], m.warn_travel, rows.id[i], -1);
   }
   if (rows.bodies.in && c.result.body_row > 0)
-    offer(Watch::stiffness, c.result.body_row * (dt * dt), rules.bounds.warn_row, c.result.body_row_of, -1);
+    x.offer(Watch::stiffness, c.result.body_row * (dt * dt), rules.bounds.warn_row, c.result.body_row_of, -1);
   for (std::int64_t k = 0; k < c.contacts.end[2]; ++k) {
     const Row i = s.ci[static_cast<std::size_t>(k)], j = s.cj[static_cast<std::size_t>(k)];
     if (i > j) continue;  // a pair across chunks is seen by both owners
@@ -152,15 +152,14 @@ void observe_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Chu
     const double d = norm(box.nearest({p[0] - o[0], p[1] - o[1], p[2] - o[2]}));
     const double share = (p[3] + o[3] - d) / fmin2(p[3], o[3]);
     const ParticleId a = rows.id[i], b = rows.id[j];
-    offer(Watch::overlap, share, m.warn_overlap, a < b ? a : b, a < b ? b : a);
+    x.offer(Watch::overlap, share, m.warn_overlap, a < b ? a : b, a < b ? b : a);
   }
   for (const WallState& t : c.wall.state) {
     const double r = rows.p[4L * t.row + 3];
     const ParticleId id = rows.id[t.row], wall = -2 - t.contact.wall;
-    offer(Watch::overlap, (r - t.contact.distance) / r, m.warn_overlap, id, wall);
-    offer(Watch::travel, norm(t.contact.velocity) * dt / r, m.warn_travel, id, wall);
+    x.offer(Watch::overlap, (r - t.contact.distance) / r, m.warn_overlap, id, wall);
+    x.offer(Watch::travel, norm(t.contact.velocity) * dt / r, m.warn_travel, id, wall);
   }
-  c.result.extremes = x;
 }
 
 void judge_walls(const Rules& rules, const Rows& rows, const WallSet& walls) {

@@ -37,7 +37,10 @@ void warn_of_sources(const Rules& rules, const Clock& clock, WallSet& walls, Mon
 void warn_of_shortfalls(const Rules& rules, const Clock& clock, const Insertion& insertion, Monitor& monitor);
 /// Warns at construction of meshes with defects, or known less well than the grains need.
 void warn_of_meshes(const Rules& rules, const Clock& clock, const WallSet& walls, Monitor& monitor);
-/// Fills the chunk's extremes from the step that has just been integrated.
+/// Begins the chunk's extremes of a sampled step with the stiffness of the contacts of each row: before the integration,
+/// which clears the force rows.
+void observe_stiffness(const Rules& rules, const Rows& rows, Chunk& c);
+/// The other extremes, from the step that has just been integrated.
 void observe_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Chunk& c);
 /// Stops where a wall has gone so far in the last step that it could have passed a particle unseen. StepFailure.
 void judge_walls(const Rules& rules, const Rows& rows, const WallSet& walls);

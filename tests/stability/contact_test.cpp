@@ -1,4 +1,6 @@
 // Scenarios 8 to 17: overlapping and coincident starts, fast grains, restitution and friction at their ends.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "core/rules/adhesion.hpp"
@@ -189,6 +191,28 @@ TEST(Stability, S10_HypervelocityIsStoppedBeforeItCanPassAPlane) {
   row("v dt > R refused at the first step by name; at <= 0.99 R every crossing is seen",
       std::to_string(bounced) + " bounced, " + std::to_string(stopped) + " stopped, " + std::to_string(through) +
           " through; unguarded at 2.5 R: " + std::to_string(through_unguarded) + " of 40 through");
+}
+
+TEST(Stability, TheGrainWhoseContactsAreTooStiffForTheStepIsNamed) {
+  for (const double level : {1e-3, 1.0}) {
+    Scene s = open_scene({-1, -1, -1}, {1, 1, 1}, 1e-5);
+    linear_law(s, 1e3, 0);
+    const double d = 1.999 * k_r;
+    add_grains(s, {{{-d, 0, 0}, {}, k_r}, {{0, 0, 0}, {}, k_r}, {{d, 0, 0}, {}, k_r}});
+    s.monitor.warn_stiffness = level;
+    Simulation sim(s, options());
+    sim.run(3);
+    const double mass = 4.0 / 3 * 3.14159265358979 * k_r * k_r * k_r * s.materials[0].density;
+    const std::string said =
+        "the contacts of particle 1 together are so stiff that step^2 k/m = " + fmt::format("{:.3g}", 2 * 1e3 / mass * 1e-10);
+    int warned = 0;
+    for (const Warning& w : sim.warnings()) {
+      if (w.kind != "stiffness") continue;
+      ++warned;
+      EXPECT_NE(w.text.find(said), std::string::npos) << w.text;
+    }
+    EXPECT_EQ(warned, level < 0.01 ? 1 : 0);
+  }
 }
 
 TEST(Stability, S11_FastPairsAreFlaggedAndNotMissedAtATenthOfTheStep) {
