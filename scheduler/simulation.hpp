@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/frame/columns.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/plane_count.hpp"
 #include "core/io/checkpoint.hpp"
@@ -55,6 +56,8 @@ class Simulation {
   const std::vector<PlaneTotal>& planes() const noexcept;
   /// What optional parts say of the present step; their number and names never change in a run.
   std::vector<PartValue> part_values() const;
+  /// Cells of optional parts, by name of the part.
+  std::vector<std::pair<std::string, GridData>> part_grids() const;
   std::uint64_t planes_hash() const;  ///< over the planes and their totals; state_hash() has none of it
   Plan plan() const;
   const TimeStepReport& time_step() const noexcept;  ///< what the construction has judged the step by

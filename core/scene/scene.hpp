@@ -14,6 +14,7 @@
 #include "core/base/box.hpp"
 #include "core/base/types.hpp"
 #include "core/base/words.hpp"
+#include "core/scene/gas_settings.hpp"
 
 namespace talus {
 
@@ -287,6 +288,7 @@ struct Scene {
   MonitorSettings monitor;
   RelaxSettings relax;
   double tracer_rate = -1;  ///< at which a contact mixes the tracer [1/s]; negative: no tracer
+  GasSettings gas;          ///< in the voids between the grains (scheduler/parts/gas.cpp)
 
   const PairCoefficients& pair(int a, int b) const { return pairs[a * materials.size() + b]; }
   /// List policy for a scene that names none: velocity_profile where gravity has a component along a periodic axis,

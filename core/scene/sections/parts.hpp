@@ -14,8 +14,9 @@ struct PartSections {
 };
 
 const PartSections& tracer_sections();
+const PartSections& gas_sections();
 
 /// In the order in which they are read.
-inline std::vector<const PartSections*> part_sections() { return {&tracer_sections()}; }
+inline std::vector<const PartSections*> part_sections() { return {&tracer_sections(), &gas_sections()}; }
 
 }  // namespace talus
