@@ -7,11 +7,13 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/base/columns.hpp"
+#include "core/frame/columns.hpp"
 #include "core/frame/frame.hpp"
 #include "core/grains/insertion.hpp"
 #include "core/walls/walls.hpp"
@@ -90,6 +92,12 @@ class Part {
   virtual std::vector<PartValue> values(const PartView&) const { return {}; }
   /// Lines of `talus check`.
   virtual std::vector<std::string> advice(const PartView&) const { return {}; }
+  /// Work that its forces have done on the grains since the start [J]; counted like that of walls. Only with energies.
+  virtual double work() const { return 0; }
+  /// Its term of the state hash: what it remembers beside its columns, with a seed of its own.
+  virtual std::uint64_t hash() const { return 0; }
+  /// Cells to be written beside the frames of grains, as NAME.pvd; whether there are any never changes in a run.
+  virtual std::optional<GridData> grid(const PartView&) const { return std::nullopt; }
   /// What it has to remember beside its columns (section "part NAME" of the checkpoint).
   virtual std::vector<std::uint8_t> save() const { return {}; }
   virtual void load(std::span<const std::uint8_t>, const std::string& /*where*/) {}

@@ -99,8 +99,10 @@ std::int64_t Simulation::step() const noexcept { return impl_->w.clock.step; }
 double Simulation::time() const noexcept { return static_cast<double>(impl_->w.clock.step) * impl_->w.rules.scene.dt; }
 std::int64_t Simulation::particles() const noexcept { return impl_->w.rows.grains(); }
 std::uint64_t Simulation::state_hash() const {
-  return talus::state_hash(impl_->w.rules, impl_->w.clock, impl_->w.rows, impl_->w.contacts, *impl_->w.insertion,
-                           impl_->w.team.failure.any());
+  std::uint64_t sum = talus::state_hash(impl_->w.rules, impl_->w.clock, impl_->w.rows, impl_->w.contacts,
+                                        *impl_->w.insertion, impl_->w.team.failure.any());
+  for (const auto& p : impl_->w.parts.all) sum += p->hash();
+  return sum;
 }
 Energies Simulation::energies() const { return energies_of(impl_->w); }
 double Simulation::kinetic_energy() const { return kinetic_energy_of(impl_->w.rules, impl_->w.rows); }
@@ -117,6 +119,12 @@ std::vector<PartValue> Simulation::part_values() const {
   std::vector<PartValue> all;
   for (const auto& p : impl_->w.parts.all)
     for (PartValue& v : p->values(view_of(impl_->w))) all.push_back(std::move(v));
+  return all;
+}
+std::vector<std::pair<std::string, GridData>> Simulation::part_grids() const {
+  std::vector<std::pair<std::string, GridData>> all;
+  for (const auto& p : impl_->w.parts.all)
+    if (auto grid = p->grid(view_of(impl_->w))) all.emplace_back(p->name(), std::move(*grid));
   return all;
 }
 std::uint64_t Simulation::planes_hash() const { return impl_->w.planes.hash(); }

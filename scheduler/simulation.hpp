@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/frame/columns.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/plane_count.hpp"
 #include "core/io/checkpoint.hpp"
@@ -57,6 +58,8 @@ class Simulation {
   std::vector<PartValue> part_values() const;
   /// What `talus check` says of them, with the name of each part.
   std::vector<std::pair<std::string, std::string>> part_advice() const;
+  /// Cells of optional parts, by name of the part.
+  std::vector<std::pair<std::string, GridData>> part_grids() const;
   std::uint64_t planes_hash() const;  ///< over the planes and their totals; state_hash() has none of it
   Plan plan() const;
   const TimeStepReport& time_step() const noexcept;  ///< what the construction has judged the step by

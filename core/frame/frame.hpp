@@ -33,7 +33,7 @@ struct Energies {
   /// Potential: along periodic axes minus the work of gravity since the start, elsewhere by height.
   double kinetic_translation = 0, kinetic_rotation = 0, potential = 0, elastic = 0;
   double dissipated_damping = 0, dissipated_friction = 0, dissipated_background = 0;
-  double wall_work = 0;  ///< done by moving walls and driven particles on the grains
+  double wall_work = 0;  ///< done by moving walls, driven particles and gas on the grains
   double inserted = 0;   ///< kinetic + potential energy brought in minus taken out by sources, removals, events
   double residual = 0;
 };

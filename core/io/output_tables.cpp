@@ -25,6 +25,10 @@ constexpr OutputFile k_files[] = {
     {"grid.pvd", "output.grid", "the same for averages on a grid"},
     {"vtp/{particles,walls,contacts,bodies}-<N>.vtp", "output.vtp", "frame of step N"},
     {"vtp/grid-<N>.vti", "output.grid", "averages on a grid at step N"},
+    {"gas.pvd", "gas.cells", "the same for the cells of the gas, at the times of output.particles_every"},
+    {"vtp/gas-<N>.vti", "gas.cells",
+     "gas at step N: porosity, superficial velocity [m/s], pressure [Pa] and its gradient [Pa/m], temperature [K], "
+     "density [kg/m3], mass fractions"},
     {"{particles,walls,contacts}.vtkhdf", "output.vtkhdf", "all frames in one file, for ParaView 5.12 or newer"},
     {"report.html", "", "what `talus report` makes of the folder"},
     {"trace.json", "", "where --trace names it: steps for ui.perfetto.dev"},
@@ -32,7 +36,7 @@ constexpr OutputFile k_files[] = {
     {"failed.vtp", "", "its particles"},
     {"failed_near.csv", "", "those near the ones that the failure names, with what each touches"},
     {"run.lock", "", "marks the folder while a run writes into it, and as one of a run"},
-    {"{scene,series,particles,walls,contacts,bodies,grid}-until-<N>.{toml,csv,vtkhdf,pvd}", "",
+    {"{scene,series,particles,walls,contacts,bodies,grid,gas}-until-<N>.{toml,csv,vtkhdf,pvd}", "",
      "what was written before a resume at step N with another scene"},
 };
 

@@ -49,7 +49,7 @@ bool known(std::string name) {
   }
   for (const char* k : {"scene.toml", "particles.vtkhdf", "walls.vtkhdf", "contacts.vtkhdf", "series.csv",
                         "summary.json", "report.html", "trace.json", "failed.tcp", "failed.vtp", "failed_near.csv",
-                        "particles.pvd", "walls.pvd", "contacts.pvd", "bodies.pvd", "grid.pvd", FolderLock::k_file})
+                        "particles.pvd", "walls.pvd", "contacts.pvd", "bodies.pvd", "grid.pvd", "gas.pvd", FolderLock::k_file})
     if (name == k) return true;
   return checkpoint_step(name).has_value();
 }
@@ -58,7 +58,7 @@ bool known(std::string name) {
 bool known_frame(const std::string& name) {
   if (is_scratch_name(name)) return true;
   if (!ends_with(name, ".vtp") && !ends_with(name, ".vti")) return false;
-  for (const std::string_view stem : {"particles-", "walls-", "contacts-", "bodies-", "grid-"})
+  for (const std::string_view stem : {"particles-", "walls-", "contacts-", "bodies-", "grid-", "gas-"})
     if (name.starts_with(stem))
       return digits(std::string_view(name).substr(stem.size(), name.size() - stem.size() - 4));
   return false;

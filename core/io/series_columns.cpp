@@ -57,7 +57,7 @@ constexpr SeriesQuantity<SeriesRow> k_run[] = {
     {"dissipated_friction", "J", k_sum, "by sliding; positive is lost", energy<&Energies::dissipated_friction>, has_rotation},
     {"dissipated_background", "J", k_sum, "by [damping]; positive is lost",
      energy<&Energies::dissipated_background>, has_energies},
-    {"wall_work", "J", k_sum, "done by moving walls and driven grains on the others; positive is put in",
+    {"wall_work", "J", k_sum, "done by moving walls, driven grains and gas on the others; positive is put in",
      energy<&Energies::wall_work>, has_energies},
     {"inserted_energy", "J", k_sum, "kinetic and potential energy that sources, events and open sides brought in",
      energy<&Energies::inserted>, has_energies},

@@ -15,6 +15,7 @@
 #include "core/base/types.hpp"
 #include "core/base/words.hpp"
 #include "core/scene/conversion.hpp"
+#include "core/scene/gas_settings.hpp"
 #include "core/scene/heat.hpp"
 
 namespace talus {
@@ -316,6 +317,7 @@ struct Scene {
   double tracer_rate = -1;  ///< at which a contact mixes the tracer [1/s]; negative: no tracer
   ConversionScene conversion;
   HeatScene heat;
+  GasSettings gas;          ///< in the voids between the grains (scheduler/parts/gas.cpp)
 
   const PairCoefficients& pair(int a, int b) const { return pairs[a * materials.size() + b]; }
   /// List policy for a scene that names none: velocity_profile where gravity has a component along a periodic axis,

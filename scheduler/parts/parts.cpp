@@ -8,10 +8,11 @@ namespace talus {
 std::unique_ptr<Part> make_tracer(const Rules& rules);
 std::unique_ptr<Part> make_heat(const Rules& rules);
 std::unique_ptr<Part> make_conversion(const Rules& rules);
+std::unique_ptr<Part> make_gas(const Rules& rules);
 
 Parts make_parts(const Rules& rules) {
   Parts parts;
-  for (const auto make : {make_tracer, make_heat, make_conversion})
+  for (const auto make : {make_tracer, make_heat, make_conversion, make_gas})
     if (auto part = make(rules)) parts.all.push_back(std::move(part));
   return parts;
 }

@@ -109,6 +109,7 @@ struct RunOutputs::Impl {
   bool moving_walls;
   std::optional<FrameStream> particles, walls, contacts;
   std::optional<PvdCollection> grid, bodies;
+  std::vector<PvdCollection> part_grids;  ///< in the order of Simulation::part_grids()
   std::optional<SeriesWriter> series;
   bool row_needs_frame = false;
   std::int64_t start = 0;  ///< step that the run begins with
@@ -153,6 +154,15 @@ struct RunOutputs::Impl {
     if (grid && grid->last_step() < frame.step) {
       write_vti(grid->path(frame.step), average_grid(frame, scene, scene.output.grid.cells), frame.time);
       grid->add(frame.step, frame.time);
+    }
+    if (!part_grids.empty()) write_part_grids(simulation.part_grids(), frame);
+  }
+
+  void write_part_grids(const std::vector<std::pair<std::string, GridData>>& grids, const Frame& frame) {
+    for (std::size_t k = 0; k < grids.size(); ++k) {
+      if (part_grids[k].last_step() >= frame.step) continue;
+      write_vti(part_grids[k].path(frame.step), grids[k].second, frame.time);
+      part_grids[k].add(frame.step, frame.time);
     }
   }
 
@@ -210,6 +220,12 @@ RunOutputs::RunOutputs(const RunFolder& folder, const Simulation& simulation, co
         return resume ? PvdCollection::resume(folder.dir(), "bodies", resume_step)
                       : PvdCollection(folder.dir(), "bodies");
       });
+    for (const auto& [name, cells] : simulation.part_grids())
+      m.part_grids.push_back(
+          continued(folder, folder.path(name + ".pvd"), resume_step, warn, [&, stem = name](bool resume) {
+            return resume ? PvdCollection::resume(folder.dir(), stem, resume_step, "vti")
+                          : PvdCollection(folder.dir(), stem, "vti");
+          }));
     if (scene.output.grid.on) {
       m.grid = continued(folder, folder.path("grid.pvd"), resume_step, warn, [&](bool resume) {
         return resume ? PvdCollection::resume(folder.dir(), "grid", resume_step, "vti")
@@ -262,6 +278,7 @@ void RunOutputs::check() const {
     if (*stream) (*stream)->check();
   if (m.grid) m.grid->check();
   if (m.bodies) m.bodies->check();
+  for (const PvdCollection& p : m.part_grids) p.check();
   if (m.series) m.series->check();
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(m.folder.scene(), ignored))

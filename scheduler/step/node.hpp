@@ -2,6 +2,7 @@
 // graph, `explain`, profile and trace, the test of I7.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -31,6 +32,7 @@ struct NodeSpec {
   bool in = true;
   std::string why;                          ///< it is in, or left out
   std::function<void(World&, Chunk&)> run;  ///< the chunk means nothing to serial nodes
+  std::int64_t every = 1;                   ///< it runs in one of so many steps, the last of them
 };
 
 }  // namespace talus

@@ -39,6 +39,7 @@ void check_results(World& w) {
 }  // namespace
 
 void run_node(World& w, const NodeSpec& node, Chunk& c) {
+  if (node.every > 1 && (w.clock.step + 1) % node.every != 0) return;
   const int index = node.phase == Phase::chunk ? c.index : -1;
   w.team.failure.guard(index, [&] {
     const NodeTimer timer(w.team.times, index, node.id);

@@ -154,10 +154,8 @@ void add_parts(const World& w, PartNode::When when, std::vector<NodeSpec>& t) {
       const Node number{id++};
       if (n.when != when) continue;
       const Phase phase = when == PartNode::When::step ? Phase::finish : Phase::chunk;
-      const auto run = [every = n.every, fn = std::move(n.run)](World& world, Chunk& c) {
-        if ((world.clock.step + 1) % every == 0) fn(view_of(world), c);
-      };
-      t.push_back({number, n.name, phase, n.reads, n.writes, true, part->name(), run});
+      const auto run = [fn = std::move(n.run)](World& world, Chunk& c) { fn(view_of(world), c); };
+      t.push_back({number, n.name, phase, n.reads, n.writes, true, part->name(), run, n.every});
     }
 }
 

@@ -29,8 +29,14 @@ std::size_t bytes_of(const CellGrid& g) {
 Energies energies_of(const World& w) {
   const bool start = w.rules.has.energies && w.clock.step == 0;
   const Column<double> springs = start ? energy_rows(w) : Column<double>{};
-  return energies_of(w.rules, w.clock, w.rows, w.ledger, w.counters.steps,
-                     start ? springs.data() : w.ledger.rows.data());
+  Energies e = energies_of(w.rules, w.clock, w.rows, w.ledger, w.counters.steps,
+                           start ? springs.data() : w.ledger.rows.data());
+  if (!w.rules.has.energies || (!start && (w.counters.steps == 0 || !w.rows.velocity_at_old_step))) return e;
+  for (const auto& p : w.parts.all) {
+    e.wall_work += p->work();
+    if (w.ledger.start_known) e.residual -= p->work();
+  }
+  return e;
 }
 
 std::size_t bytes_of(const World& w) {

@@ -110,6 +110,7 @@ void read(const SceneTable& root, Scene& scene) {
   if (scene.tracer_rate >= 0) root.fail("tracer", refused);
   if (scene.heat.on) root.fail("heat", refused);
   if (scene.conversion.on) root.fail("conversion", refused);
+  if (scene.gas.on) root.fail("gas", refused);
 }
 
 }  // namespace

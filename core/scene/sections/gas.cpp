@@ -1,0 +1,146 @@
+// [gas] and [[gas.inlet]]: keys of the part in scheduler/parts/gas.cpp.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/scene/sections/parts.hpp"
+
+namespace talus {
+namespace {
+
+constexpr KeyRange k_temperature{200, 3500}, k_pressure{1e3, 1e8};
+
+const Keys<GasSettings> k_gas(
+    {"gas", false, "gas in the voids between the grains, on a regular grid; absent: there is none"},
+    fixed_by("the gas of the checkpoint follows from it"),
+    {
+        key("lower", &GasSettings::lower, "m", k_coordinate, "lower corner of the grid", "[0, 0, 0]")
+            .absent("(that of the domain)"),
+        key("upper", &GasSettings::upper, "m", k_coordinate,
+            "upper corner; the grid wraps where it spans a periodic axis of the domain; grains outside feel no gas",
+            "[0.1, 0.1, 0.3]")
+            .absent("(that of the domain)"),
+        other_key<GasSettings>(
+            "cells", KeyType::cells, "-", {1, 1000},
+            "cells per axis, with edges of two to four grain diameters and at least a third of the "
+            "largest radius. Grains share their volume exactly among the cells they meet. Frames "
+            "gain gas.pvd, the series gas.mass_in and gas.mass_out [kg] through the sides, "
+            "gas.mass_residual, gas.element_residual [kg] and gas.enthalpy_residual [J] (stored less "
+            "start and passed), gas.pressure_drop [Pa] along the axis of the first inlet, "
+            "gas.temperature_min and _max [K], gas.force_x, _y, _z on all grains [N], gas.iterations "
+            "of the flow in the last gas step",
+            "[4, 4, 12]")
+            .required(),
+        key("every", &GasSettings::every, "-", {1, 1e9},
+            "steps between two gas steps; the flow is quasi-steady, heat and species are transient", "200"),
+        key("drag", &GasSettings::drag,
+            "drag on the grains, beside the force of the pressure gradient: ergun (dense beds only), gidaspow (ergun "
+            "below "
+            "a porosity of 0.7, Wen and Yu above 0.9, a smooth step between), di_felice, beetstra (porosity 0.4 to "
+            "0.9)",
+            "\"di_felice\""),
+        key("nusselt", &GasSettings::nusselt, "heat transfer to grains that have a temperature", "\"whitaker\""),
+        key("pressure", &GasSettings::pressure, "Pa", k_pressure, "at the start, and of open sides", "101325"),
+        key("temperature", &GasSettings::temperature, "K", k_temperature, "at the start, and of what comes in", "300"),
+        other_key<GasSettings>("fractions", KeyType::numbers, "-", {0, 1},
+                               "by mass, of O2, CO2, CO, H2O, H2, CH4, tar (as benzene), N2; their sum is 1",
+                               "[0.233, 0, 0, 0, 0, 0, 0, 0.767]")
+            .absent("(air)"),
+        key("combustion", &GasSettings::combustion,
+            "CO, H2, CH4 and tar burn in the gas, at global rates (Howard 1973, Marinov 1996, Dryer and Glassman 1973, "
+            "Westbrook and Dryer 1981)",
+            "true"),
+        key("most_porosity", &GasSettings::most_porosity, "-", {0.5, 0.999},
+            "cells that are emptier resist the flow as this porosity of grains of the mean size", "0.9"),
+        key("least_porosity", &GasSettings::least_porosity, "-", {0.05, 0.45},
+            "cells that are fuller resist and hold gas as this porosity", "0.25"),
+    });
+
+const Keys<GasInlet> k_inlet(
+    {"gas.inlet", true, "lets gas through a side of the grid, or through a rectangle of it; the rest is closed"},
+    fixed_by("the gas of the checkpoint has flown through it"),
+    {
+        key("side", &GasInlet::side, "of the grid: left and right (x), front and back (y), bottom and top (z)",
+            "\"bottom\"")
+            .required(),
+        key("kind", &GasInlet::kind, "flow: a given velocity; pressure: a given pressure outside", "\"pressure\""),
+        key("velocity", &GasInlet::velocity, "m/s", k_finite,
+            "into the grid, superficial, at the inlet's temperature and gas.pressure; negative: out", "0.5")
+            .only("kind=flow")
+            .needed("flow", "(required by flow)"),
+        key("pressure", &GasInlet::pressure, "Pa", k_pressure, "outside", "101325")
+            .only("kind=pressure")
+            .absent("(gas.pressure)"),
+        key("temperature", &GasInlet::temperature, "K", k_temperature, "of what comes in", "600")
+            .absent("(gas.temperature)"),
+        other_key<GasInlet>("fractions", KeyType::numbers, "-", {0, 1}, "of what comes in, as gas.fractions",
+                            "[0.233, 0, 0, 0, 0, 0, 0, 0.767]")
+            .absent("(gas.fractions)"),
+        key("lower", &GasInlet::lower, "m", k_coordinate, "of the rectangle: faces with their middle in it",
+            "[0, 0, 0]")
+            .absent("(the whole side)"),
+        key("upper", &GasInlet::upper, "m", k_coordinate, "of the rectangle", "[0.05, 0.1, 0]")
+            .absent("(the whole side)"),
+    });
+
+void read_fractions(const SceneTable& r, GasFractions& y) {
+  const std::vector<double> given = r.numbers("fractions");
+  if (given.size() != y.size()) r.fail("fractions", "must be eight: O2, CO2, CO, H2O, H2, CH4, tar, N2");
+  double sum = 0;
+  for (std::size_t k = 0; k < y.size(); ++k) sum += y[k] = given[k];
+  if (sum < 1 - 1e-9 || sum > 1 + 1e-9) r.fail("fractions", fmt::format("must have the sum 1, not {:.10g}", sum));
+  for (double& x : y) x /= sum;
+}
+
+void read_inlet(const SceneTable& r, GasSettings& gas) {
+  GasInlet i;
+  k_inlet.read(r, i);
+  if (r.has("fractions")) {
+    read_fractions(r, i.fractions);
+    i.own_fractions = true;
+  }
+  gas.inlets.push_back(i);
+}
+
+double smallest_edge(const GasSettings& g) {
+  double h = 1e300;
+  for (int k = 0; k < 3; ++k) h = std::min(h, (g.upper[k] - g.lower[k]) / g.cells[static_cast<std::size_t>(k)]);
+  return h;
+}
+
+void read(const SceneTable& root, Scene& scene) {
+  const SceneTable r = root.section("gas");
+  GasSettings& gas = scene.gas;
+  if (!root.has("gas")) return;
+  gas.on = true;
+  // their grains would give the gas heat that they keep
+  if (scene.heat.on) root.fail("gas", "cannot be had beside [heat]: the gas exchanges no heat with grains yet");
+  if (scene.conversion.on) root.fail("gas", "cannot be had beside [conversion]: the gas exchanges nothing with grains yet");
+  gas.lower = scene.domain.lower;
+  gas.upper = scene.domain.upper;
+  k_gas.read(r, gas);
+  if (r.has("fractions")) read_fractions(r, gas.fractions);
+  const std::vector<std::int64_t> cells = r.integers("cells");
+  for (std::size_t k = 0; k < 3; ++k) gas.cells[k] = static_cast<int>(cells[k]);
+  for (int k = 0; k < 3; ++k) {
+    if (!(gas.upper[k] > gas.lower[k])) r.fail("upper", "must be larger than 'lower' on every axis");
+    if (gas.lower[k] < scene.domain.lower[k] || gas.upper[k] > scene.domain.upper[k])
+      r.fail(gas.lower[k] < scene.domain.lower[k] ? "lower" : "upper", "must lie within the domain");
+  }
+  if (cells[0] * cells[1] * cells[2] > 1000000) r.fail("cells", "must be at most a million in all");
+  double radius = 0;
+  for (const Source& s : scene.sources) radius = std::max(radius, 0.5 * s.size.largest());
+  if (smallest_edge(gas) < radius / 3)
+    r.fail("cells", fmt::format("must be larger: an edge of {:.4g} m is below a third of the largest radius, {:.4g} m",
+                                smallest_edge(gas), radius));
+  for (const SceneTable& i : r.sections("inlet")) read_inlet(i, gas);
+}
+
+}  // namespace
+
+const PartSections& gas_sections() {
+  static const PartSections all{{&k_gas, &k_inlet}, read};
+  return all;
+}
+
+}  // namespace talus

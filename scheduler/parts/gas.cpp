@@ -1,0 +1,350 @@
+// Part "gas": the gas in the voids (core/gas) and the grains. Every gas.every steps the grains are shared among the
+// cells, the gas makes a step over that time, and each grain gets the law of its force until the next one; in every
+// step the force of that law at the grain's present velocity joins those of its contacts. Other parts meet it in
+// columns: where rows have a `temperature` [K], heat goes to `gas heat` [W]; where they have a `gas release` (eight
+// species [kg/s], enthalpy [W]), the gas takes it and says what is there in `gas around`. Invariants: I3 (rows in
+// order), I7.
+#include "core/gas/gas.hpp"
+
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "core/base/error.hpp"
+#include "core/gas/drag.hpp"
+#include "core/gas/openings.hpp"
+#include "core/gas/species.hpp"
+#include "scheduler/parts/gas_coupling.hpp"
+#include "scheduler/team/pools.hpp"
+
+namespace talus {
+
+namespace {
+
+constexpr std::uint64_t k_force_seed = 110, k_heat_seed = 111, k_around_seed = 112, k_gas_seed = 113;
+constexpr double k_most_drag = 0.5;  // of a step: drag * dt / mass
+
+/// Width of a row of `gas release`: species, enthalpy.
+constexpr int k_release_width = k_gas_species + 1;
+
+std::array<bool, 3> wrapped_axes(const Scene& s) {
+  std::array<bool, 3> wraps{};
+  for (int k = 0; k < 3; ++k)
+    wraps[static_cast<std::size_t>(k)] =
+        s.domain.periodic(k) && s.gas.lower[k] == s.domain.lower[k] && s.gas.upper[k] == s.domain.upper[k];
+  return wraps;
+}
+
+const Columns::Entry* column_named(const Columns& columns, const char* name) {
+  for (const Columns::Entry& e : columns.all())
+    if (e.info.name == name && e.info.in) return &e;
+  return nullptr;
+}
+
+class GasPart final : public Part {
+ public:
+  explicit GasPart(const Rules& rules)
+      : scene_(rules.scene), gas_(rules.scene.gas, wrapped_axes(rules.scene), rules.scene.gravity) {
+    for (int k = 0; k < 3; ++k)
+      if (gas_.grid().h[k] < gas::k_smallest_cell * rules.r_max)
+        throw Error(ErrorCode::scene, "gas.cells: edges of cells are below a third of the largest radius",
+                    rules.scene.file, "fewer cells");
+  }
+
+  std::string name() const override { return "gas"; }
+
+  void add_columns(Columns& columns) override {
+    columns_ = &columns;
+    thermal_ = column_named(columns, "temperature") != nullptr;
+    releases_ = column_named(columns, "gas release") != nullptr;
+    ColumnInfo i;
+    i.name = "gas force";
+    i.label = "gas force, next";
+    i.unit = "kg/s, m/s, N";
+    i.why = "gas";
+    i.width = k_width<GasForce>;
+    i.saved = true;
+    i.optional = true;
+    i.hash_seed = k_force_seed;
+    columns.add(i, force_, &next_);
+    ColumnInfo h = i;
+    h.name = h.label = "gas heat";
+    h.unit = "W";
+    h.width = 1;
+    h.in = thermal_;
+    h.hash_seed = k_heat_seed;
+    columns.add(h, heat_);
+    ColumnInfo a = i;
+    a.name = a.label = "gas around";
+    a.unit = "K, W/K, -";
+    a.width = k_width<GasAtGrain>;
+    a.in = thermal_ || releases_;
+    a.hash_seed = k_around_seed;
+    columns.add(a, around_);
+  }
+
+  std::vector<PartNode> nodes() override {
+    std::vector<PartNode> all{{"gas_force",
+                               PartNode::When::contacts,
+                               {{"v"}, {"gas force"}},
+                               {{"force rows"}},
+                               1,
+                               [this](const PartView& w, const Chunk& c) { push(w, c); }}};
+    if (scene_.output.energies)
+      all.push_back({"gas_work",
+                     PartNode::When::step,
+                     {{"v"}, {"v2"}, {"gas force"}},
+                     {{"gas work"}},
+                     1,
+                     [this](const PartView& w, const Chunk&) { add_work(w); }});
+    all.push_back({"gas_step",
+                   PartNode::When::step,
+                   {{"p"}, {"v"}},
+                   {{"gas"}, {"gas force"}, {"gas heat"}, {"gas around"}},
+                   scene_.gas.every,
+                   [this](const PartView& w, const Chunk&) { step(w); }});
+    return all;
+  }
+
+  void appended(const Rows&, Row first, const NewParticles& a) override {
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      const Row i = first + static_cast<Row>(k);
+      set_row(force_, i, GasForce{});
+      set_row(next_, i, GasForce{});
+      if (thermal_) heat_[static_cast<std::size_t>(i)] = 0;
+      if (thermal_ || releases_) set_row(around_, i, GasAtGrain{});
+    }
+  }
+
+  void take_back() override {
+    work_ = work_before_;
+    if (clock_ == nullptr || clock_->step != gas_step_ + 1) return;
+    std::swap(force_, next_);
+    gas_.load(before_, "the step before");
+  }
+
+  double step_limit(const PartView& w) const override {
+    if (!(w.rules.r_min < k_never)) return k_never;
+    const double d = 2 * w.rules.r_min, e = 0.4, rho = scene_.gas.pressure / (287 * scene_.gas.temperature);
+    const double k = gas::grain_drag(scene_.gas.drag, e, d, d, gas::viscosity(scene_.gas.temperature), rho, 0);
+    double density = k_never;
+    for (const Material& m : scene_.materials) density = fmin2(density, m.density);
+    return k_most_drag * (density * 3.14159265358979323846 / 6 * d * d * d) / k;
+  }
+
+  std::vector<PartValue> values(const PartView& w) const override {
+    const gas::Balance& b = gas_.balance();
+    double element = 0, low = k_never, high = 0;
+    for (int k = 0; k < gas::k_elements; ++k) element = fmax2(element, __builtin_fabs(b.element_residual(k)));
+    for (const double t : gas_.fields().temperature) low = fmin2(low, t), high = fmax2(high, t);
+    const Vec3 f = total_force(w);
+    const bool started = gas_.started();
+    return {{"gas.mass_in", "kg", gas::sum(b.passed.in)},
+            {"gas.mass_out", "kg", gas::sum(b.passed.out)},
+            {"gas.mass_residual", "kg", b.mass_residual()},
+            {"gas.element_residual", "kg", element},
+            {"gas.enthalpy_residual", "J", b.enthalpy_residual()},
+            {"gas.pressure_drop", "Pa", started ? gas_.pressure_drop(axis()) : 0},
+            {"gas.temperature_min", "K", started ? low : scene_.gas.temperature},
+            {"gas.temperature_max", "K", started ? high : scene_.gas.temperature},
+            {"gas.force_x", "N", f.x},
+            {"gas.force_y", "N", f.y},
+            {"gas.force_z", "N", f.z},
+            {"gas.iterations", "-", static_cast<double>(gas_.flow().iterations)}};
+  }
+
+  double work() const override { return work_.done; }
+
+  std::uint64_t hash() const override {
+    const std::vector<std::uint8_t> bytes = save();
+    return XXH3_64bits_withSeed(bytes.data(), bytes.size(), k_gas_seed);
+  }
+
+  std::optional<GridData> grid(const PartView& w) const override {
+    if (gas_.started()) return grid_data(gas_.grid(), gas_.fields());
+    // what the first gas step will start from
+    gas::Gas fresh(scene_.gas, wrapped_axes(scene_), w.clock.gravity);
+    fresh.start(grains_in_cells(w));
+    return grid_data(fresh.grid(), fresh.fields());
+  }
+
+  std::vector<std::uint8_t> save() const override {
+    std::vector<std::uint8_t> bytes(sizeof work_);
+    std::memcpy(bytes.data(), &work_, sizeof work_);
+    if (!gas_.started()) return bytes;
+    const std::vector<std::uint8_t> state = gas_.save();
+    bytes.insert(bytes.end(), state.begin(), state.end());
+    return bytes;
+  }
+  void load(std::span<const std::uint8_t> bytes, const std::string& where) override {
+    if (bytes.size() < sizeof work_) throw Error(ErrorCode::io, "section 'part gas' has a wrong size", where);
+    std::memcpy(&work_, bytes.data(), sizeof work_);
+    work_before_ = work_;
+    if (bytes.size() > sizeof work_) gas_.load(bytes.subspan(sizeof work_), where);
+  }
+
+ private:
+  struct Work {
+    double done = 0, power = 0;  ///< [J]; of the last step [W]
+  };
+
+  gas::FromGrains grains_in_cells(const PartView& w) const {
+    GasShares shares;
+    gas::FromGrains from(gas_.grid().cells());
+    shares.find(w, gas_.grid());
+    shares.give(w, from);
+    return from;
+  }
+
+  int axis() const { return scene_.gas.inlets.empty() ? 2 : gas::axis_of(scene_.gas.inlets.front().side); }
+
+  static Vec3 force_of(const GasForce& g, const double* v) {
+    return {g.drag * (g.gas.x - v[0]) + g.push.x, g.drag * (g.gas.y - v[1]) + g.push.y,
+            g.drag * (g.gas.z - v[2]) + g.push.z};
+  }
+
+  void push(const PartView& w, const Chunk& c) {
+    if (!gas_.started() || w.clock.step < scene_.relax.steps) return;
+    const auto stride = static_cast<long>(w.rows.stride);
+    double* f = c.scratch->f.data();
+    for (Row i = c.lo; i < c.hi; ++i, f += stride) {
+      const Vec3 q = force_of(row_of<GasForce>(force_, i), w.rows.v.data() + stride * i);
+      f[0] = f[0] + q.x;
+      f[1] = f[1] + q.y;
+      f[2] = f[2] + q.z;
+    }
+  }
+
+  /// Sum of of(row) over the living, in blocks of 1024 rows (I3).
+  template <class Of>
+  static double sum_rows(const Rows& rows, const Of& of) {
+    double total = 0;
+    for (Row b = 0; b < rows.n; b += 1024) {
+      double part = 0;
+      for (Row i = b; i < std::min<Row>(rows.n, b + 1024); ++i)
+        if (rows.is_alive(i)) part = part + of(i);
+      total = total + part;
+    }
+    return total;
+  }
+
+  /// Power at n with the velocity between n-1/2 and n+1/2, by the trapezium rule over [n-1, n].
+  void add_work(const PartView& w) {
+    work_before_ = work_;
+    if (!gas_.started() || w.clock.step < scene_.relax.steps) return;
+    const auto stride = static_cast<long>(w.rows.stride);
+    const double power = sum_rows(w.rows, [&](Row i) {
+      const double *u = w.rows.v2.data() + stride * i, *v = w.rows.v.data() + stride * i;
+      const Vec3 f = force_of(row_of<GasForce>(force_, i), u);
+      return 0.5 * (f.x * (u[0] + v[0]) + f.y * (u[1] + v[1]) + f.z * (u[2] + v[2]));
+    });
+    work_.done += 0.5 * scene_.dt * (work_.power + power);
+    work_.power = power;
+  }
+
+  void step(const PartView& w) {
+    shares_.find(w, gas_.grid());
+    from_.clear(gas_.grid().cells());
+    shares_.give(w, from_);
+    if (!gas_.started()) gas_.start(from_);
+    before_ = gas_.save();
+    gas_.set_gravity(w.clock.gravity);
+    if (thermal_) offer_heat(w);
+    if (releases_) offer_release(w);
+    gas_.step(from_, scene_.dt * static_cast<double>(scene_.gas.every));
+    std::swap(force_, next_);
+    clock_ = &w.clock;
+    gas_step_ = w.clock.step;
+    for (Row i = 0; i < w.rows.n; ++i) {
+      set_row(force_, i, GasForce{});  // of the dead, too: the buffer holds what was two gas steps ago
+      if (!w.rows.is_alive(i)) continue;
+      const GasForce f = shares_.force(w, scene_.gas, gas_.fields(), i);
+      check_drag(w, i, f.drag);
+      set_row(force_, i, f);
+      if (thermal_) take_heat(i);
+      if (thermal_ || releases_) set_row(around_, i, shares_.around(w, scene_.gas, gas_.fields(), i));
+    }
+  }
+
+  void check_drag(const PartView& w, Row i, double drag) const {
+    const double m = mass_of(w.rules, w.rows, i);
+    if (drag * scene_.dt <= k_most_drag * m) return;
+    throw Error(ErrorCode::physics,
+                "time.step is too long for the drag on grain " + std::to_string(w.rows.id[static_cast<std::size_t>(i)]),
+                "step " + std::to_string(w.clock.step), "at most " + at_most(k_most_drag * m / drag) + " s");
+  }
+
+  const double* values_of(const char* column, Row i) const {
+    const Columns::Entry* e = column_named(*columns_, column);
+    return reinterpret_cast<const double*>(e->data()) + static_cast<long>(e->info.width) * i;
+  }
+
+  void offer_heat(const PartView& w) {
+    for (Row i = 0; i < w.rows.n; ++i) {
+      if (!w.rows.is_alive(i)) continue;
+      const double t = *values_of("temperature", i);
+      const GasAtGrain a = shares_.around(w, scene_.gas, gas_.fields(), i);
+      set_row(around_, i, a);
+      shares_.each(i, [&](std::size_t c, double, double weight) {
+        from_.conductance[c] += weight * a.conductance;
+        from_.heat[c] += weight * a.conductance * t;
+      });
+      heat_[static_cast<std::size_t>(i)] = t;
+    }
+  }
+
+  /// What the cells have lost to row i in the step, by the conductance that it offered.
+  void take_heat(Row i) {
+    const auto q = static_cast<std::size_t>(i);
+    const double t = heat_[q], conductance = row_of<GasAtGrain>(around_, i).conductance;
+    double power = 0;
+    shares_.each(i, [&](std::size_t c, double, double weight) {
+      power += weight * conductance * (gas_.fields().exchange_temperature[c] - t);
+    });
+    heat_[q] = power;
+  }
+
+  void offer_release(const PartView& w) {
+    for (Row i = 0; i < w.rows.n; ++i) {
+      if (!w.rows.is_alive(i)) continue;
+      const double* r = values_of("gas release", i);
+      shares_.each(i, [&](std::size_t c, double, double weight) {
+        for (std::size_t k = 0; k < k_gas_species; ++k) from_.source[c][k] += weight * r[k];
+        from_.enthalpy[c] += weight * r[k_release_width - 1];
+      });
+    }
+  }
+
+  Vec3 total_force(const PartView& w) const {
+    Vec3 total;
+    if (!gas_.started()) return total;
+    const auto stride = static_cast<long>(w.rows.stride);
+    for (int k = 0; k < 3; ++k)
+      total[k] = sum_rows(
+          w.rows, [&](Row i) { return force_of(row_of<GasForce>(force_, i), w.rows.v.data() + stride * i)[k]; });
+    return total;
+  }
+
+  const Scene& scene_;
+  gas::Gas gas_;
+  gas::FromGrains from_;
+  GasShares shares_;
+  const Columns* columns_ = nullptr;
+  bool thermal_ = false, releases_ = false;
+  Column<double> force_, next_;  ///< GasForce of this and the last gas step
+  Column<double> heat_;          ///< [W]
+  Column<double> around_;        ///< GasAtGrain
+  Work work_, work_before_;
+  const Clock* clock_ = nullptr;      ///< of the run, known from the first gas step on
+  std::int64_t gas_step_ = -1;        ///< step of the last gas step
+  std::vector<std::uint8_t> before_;  ///< the gas before it
+};
+
+}  // namespace
+
+std::unique_ptr<Part> make_gas(const Rules& rules) {
+  return rules.scene.gas.on ? std::make_unique<GasPart>(rules) : nullptr;
+}
+
+}  // namespace talus

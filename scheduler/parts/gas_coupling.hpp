@@ -1,0 +1,68 @@
+// Between rows and cells of the gas: who lies where, what grains give to the cells, what the gas does to grains. Who
+// calls it: scheduler/parts/gas.cpp. Invariant (I3): sums over grains run in row order, whatever the chunks.
+#pragma once
+
+#include <cstring>
+#include <vector>
+
+#include "core/gas/exchange.hpp"
+#include "scheduler/part.hpp"
+
+namespace talus {
+
+/// The force of the gas on a grain until the next gas step: drag * (gas - v) + push.
+struct GasForce {
+  double drag = 0;  ///< [kg/s]
+  Vec3 gas;         ///< velocity of the gas between the grains [m/s]
+  Vec3 push;        ///< volume times falling pressure [N]
+};
+
+/// What a grain has around it, for parts that exchange heat and species with it.
+struct GasAtGrain {
+  double temperature = 0;  ///< [K]
+  double conductance = 0;  ///< h A [W/K]
+  GasFractions fractions{};
+};
+
+/// Rows of a column that hold one of these, which is all doubles.
+template <class T>
+inline constexpr int k_width = static_cast<int>(sizeof(T) / sizeof(double));
+template <class T>
+T row_of(const Column<double>& column, Row i) {
+  T t;
+  std::memcpy(static_cast<void*>(&t), column.data() + static_cast<long>(k_width<T>) * i, sizeof t);
+  return t;
+}
+template <class T>
+void set_row(Column<double>& column, Row i, const T& t) {
+  std::memcpy(column.data() + static_cast<long>(k_width<T>) * i, &t, sizeof t);
+}
+
+/// Parts of the grains in the cells, row after row.
+class GasShares {
+ public:
+  /// Of the living rows.
+  void find(const PartView& w, const gas::Grid& grid);
+  /// Volume, size and velocity of the grains into `to`.
+  void give(const PartView& w, gas::FromGrains& to) const;
+  GasForce force(const PartView& w, const GasSettings& s, const gas::ToGrains& gas, Row i) const;
+  GasAtGrain around(const PartView& w, const GasSettings& s, const gas::ToGrains& gas, Row i) const;
+  /// Calls add(cell, volume in it, share of what lies in the grid) for each cell of row i.
+  template <class Add>
+  void each(Row i, const Add& add) const {
+    double whole = 0;
+    for (std::size_t k = begin_[static_cast<std::size_t>(i)]; k < begin_[static_cast<std::size_t>(i) + 1]; ++k)
+      whole += parts_[k].second;
+    for (std::size_t k = begin_[static_cast<std::size_t>(i)]; k < begin_[static_cast<std::size_t>(i) + 1]; ++k)
+      add(static_cast<std::size_t>(parts_[k].first), parts_[k].second, parts_[k].second / whole);
+  }
+
+ private:
+  std::vector<std::size_t> begin_;             ///< [rows + 1]
+  std::vector<std::pair<int, double>> parts_;  ///< cell, volume of the grain in it [m3]
+};
+
+/// The gas as columns of a .vti file.
+GridData grid_data(const gas::Grid& grid, const gas::ToGrains& fields);
+
+}  // namespace talus
