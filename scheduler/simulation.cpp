@@ -28,7 +28,7 @@ struct Simulation::Impl {
     for (const auto& p : w.parts.all)
       if (const double most = p->step_limit(view_of(w)); w.rules.scene.dt > most)
         throw Error(ErrorCode::scene, "time.step is too long for part '" + p->name() + "'", w.rules.scene.file,
-                    "at most " + at_most(most) + " s");
+                    "at most " + at_most(most) + " s, or fewer steps between two of the part's own");
   }
   World w;
 };

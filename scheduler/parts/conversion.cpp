@@ -16,6 +16,7 @@
 #include <map>
 #include <mutex>
 
+#include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
 #include "kernels/conversion/grain_batch.hpp"
 
@@ -27,6 +28,18 @@ constexpr std::uint64_t k_seed = 120;  // of its term in the state hash
 constexpr Row k_rows = 1024;           // per block of the ledger
 
 /// What converts of a material.
+/// Width of the thinnest shell of a grain of radius 1 m.
+double thinnest_shell(const BedMatter& m) {
+  double inside = 0, face = 0, least = 1;
+  for (int k = 0; k < m.shells; ++k) {
+    inside += m.volume[k];
+    const double next = det::cbrt(inside * (0.75 / 3.141592653589793));
+    least = fmin2(least, next - face);
+    face = next;
+  }
+  return least;
+}
+
 struct Kind {
   std::shared_ptr<const GrainJob> job;
   std::unique_ptr<BedTables> tables;
@@ -72,6 +85,21 @@ class Conversion final : public Part {
 
   std::string name() const override { return "conversion"; }
   bool resizes() const override { return s_.resizes; }
+
+  /// Heat must not take less time through a shell of the smallest grain than a step of conversion: a shell could use up
+  /// its reactant at the rate of the step's start and come out too hot (bed_step.hpp).
+  double step_limit(const PartView& w) const override {
+    double most = k_never;
+    for (const Kind& k : kinds_) {
+      if (!k.job) continue;
+      const BedMatter& m = k.tables->matter();
+      const double dx = w.rules.r_min * thinnest_shell(m);
+      const int fuel = m.present[1] != 0 ? 1 : 0;  // moist matter where there is nothing else
+      const double density = m.fuel_density > 0 ? m.fuel_density : m.moisture_density;
+      most = fmin2(most, dx * dx * density * m.capacity[fuel].first / m.conductivity[fuel].first);
+    }
+    return most / static_cast<double>(s_.every);
+  }
 
   void add_columns(Columns& columns) override {
     ColumnInfo i;

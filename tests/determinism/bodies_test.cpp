@@ -259,7 +259,7 @@ TEST_P(BodyLists, HoldEveryTouchingPairOfRandomScenes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, BodyLists, testing::ValuesIn(exact_policies()),
-                         [](const auto& p) { return policy_text(p.param).name; });
+                         [](const auto& p) { return policy_of(p.param).name(); });
 
 TEST(BodiesLeftOut, SceneOfSpheresHasNoneOfTheirColumns) {
   Simulation sim(hopper(), {});

@@ -22,14 +22,14 @@ struct Batch {
   std::vector<double> radius, predicted;
 };
 
-ContactLaw law_of(ContactModel model, bool partial_slip = false) {
+ContactLaw contact_law(ContactModel model, bool partial_slip = false) {
   ContactLaw l;
   l.model = model;
   l.partial_slip = partial_slip;
   return l;
 }
-const ContactLaw k_laws[] = {law_of(ContactModel::linear), law_of(ContactModel::hertz_mindlin),
-                             law_of(ContactModel::hertz_mindlin, true)};
+const ContactLaw k_laws[] = {contact_law(ContactModel::linear), contact_law(ContactModel::hertz_mindlin),
+                             contact_law(ContactModel::hertz_mindlin, true)};
 
 /// n touching pairs of random spheres: rows 2k and 2k + 1.
 Batch make_batch(int n, bool rotation, std::uint64_t seed) {

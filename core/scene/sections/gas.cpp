@@ -109,9 +109,9 @@ double smallest_edge(const GasSettings& g) {
 }
 
 void read(const SceneTable& root, Scene& scene) {
+  if (!root.has("gas")) return;
   const SceneTable r = root.section("gas");
   GasSettings& gas = scene.gas;
-  if (!root.has("gas")) return;
   gas.on = true;
   // their grains would give the gas heat that they keep
   if (scene.heat.on) root.fail("gas", "cannot be had beside [heat]: the gas exchanges no heat with grains yet");
