@@ -53,7 +53,7 @@ struct Grains {
   std::vector<double*> row;
   GrainBatch batch;
 
-  Grains(What what, long grains) : tables(matter_of(what), k_shells, k_air, FilmLaw::ranz_marshall) {
+  Grains(What what, long grains) : tables(matter_of(what), k_shells, conversion::k_air, FilmLaw::ranz_marshall) {
     const BedMatter& m = tables.matter();
     const long size = bed_row(m).size, stride = (grains + 7) / 8 * 8;
     numbers.resize(static_cast<std::size_t>(size * grains));

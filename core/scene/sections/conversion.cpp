@@ -4,6 +4,8 @@
 namespace talus {
 namespace {
 
+/// Without a material that converts the section would have no effect.
+constexpr std::string_view k_wood = "[[material]]\nname = \"wood\"\ndensity = 600\ngrain = \"wood.toml\"\n";
 constexpr std::string_view k_exchanged = "the grains have converted with it";
 
 const Keys<ConversionScene> k_conversion(
@@ -16,11 +18,13 @@ const Keys<ConversionScene> k_conversion(
             "contact steps per step of conversion, which is linearly implicit; radius and mass go in a straight line "
             "to "
             "what came out of the last one",
-            "100"),
-        key("shells", &ConversionScene::shells, "-", {1, 32}, "shells of a grain", "20"),
+            "100")
+            .with(k_wood),
+        key("shells", &ConversionScene::shells, "-", {1, 32}, "shells of a grain", "20").with(k_wood),
         key("gone_below", &ConversionScene::gone_below, "-", {0, 1},
-            "grains leave below this share of their first radius; their ash is counted; 0: never", "0.3"),
-        key("resize", &ConversionScene::resize, "radius and mass of the grains follow", "true"),
+            "grains leave below this share of their first radius; their ash is counted; 0: never", "0.3")
+            .with(k_wood),
+        key("resize", &ConversionScene::resize, "radius and mass of the grains follow", "true").with(k_wood),
     });
 
 struct MaterialGrain {
@@ -51,7 +55,8 @@ void read(const SceneTable& root, Scene& scene) {
     c.grain.push_back(g.grain);
   }
   // the two parts would each keep a temperature of their own of the same grain
-  if (c.on && scene.heat.on) root.fail("conversion", "cannot be had beside [heat]: grains that convert exchange no heat yet");
+  if (c.on && scene.heat.on)
+    root.fail("conversion", "cannot be had beside [heat]: grains that convert exchange no heat yet");
   if (c.on && !any) root.fail("conversion", "needs a material with a grain file (material.grain)");
 }
 
