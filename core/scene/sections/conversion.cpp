@@ -57,6 +57,9 @@ void read(const SceneTable& root, Scene& scene) {
   // the two parts would each keep a temperature of their own of the same grain
   if (c.on && scene.heat.on)
     root.fail("conversion", "cannot be had beside [heat]: grains that convert exchange no heat yet");
+  // what leaves and what overlaps gain or lose with the radius is not in the balance yet
+  if (c.on && c.resize && scene.output.energies)
+    root.section("output").fail("energies", "does not count changing sizes; allowed beside conversion.resize = false");
   if (c.on && !any) root.fail("conversion", "needs a material with a grain file (material.grain)");
 }
 
