@@ -37,7 +37,8 @@ const Keys<GasSettings> k_gas(
             "drag on the grains, beside the force of the pressure gradient: ergun (dense beds only), gidaspow (ergun "
             "below "
             "a porosity of 0.7, Wen and Yu above 0.9, a smooth step between), di_felice, beetstra (porosity 0.4 to "
-            "0.9)",
+            "0.9). Where the porosity is uneven the forces on all grains may differ by some per cent from pressure "
+            "drop times area: the law is taken at the cell of a grain, the flow at the faces of cells",
             "\"di_felice\""),
         key("nusselt", &GasSettings::nusselt, "heat transfer to grains that have a temperature", "\"whitaker\""),
         key("pressure", &GasSettings::pressure, "Pa", k_pressure, "at the start, and of open sides", "101325"),
@@ -115,7 +116,8 @@ void read(const SceneTable& root, Scene& scene) {
   gas.on = true;
   // their grains would give the gas heat that they keep
   if (scene.heat.on) root.fail("gas", "cannot be had beside [heat]: the gas exchanges no heat with grains yet");
-  if (scene.conversion.on) root.fail("gas", "cannot be had beside [conversion]: the gas exchanges nothing with grains yet");
+  if (scene.conversion.on)
+    root.fail("gas", "cannot be had beside [conversion]: the gas exchanges nothing with grains yet");
   gas.lower = scene.domain.lower;
   gas.upper = scene.domain.upper;
   k_gas.read(r, gas);
