@@ -7,6 +7,7 @@
 #include <deque>
 #include <vector>
 
+#include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
 #include "core/conversion/film.hpp"
 #include "core/conversion/kinetics.hpp"
@@ -242,6 +243,17 @@ BedTables::BedTables(const Matter& matter, int shells, const GasKind& gas, FilmL
 }
 BedTables::~BedTables() = default;
 const BedMatter& BedTables::matter() const { return a_->m; }
+
+double BedTables::thinnest_shell() const {
+  double inside = 0, face = 0, least = 1;
+  for (int k = 0; k < matter().shells; ++k) {
+    inside += matter().volume[k];
+    const double next = det::cbrt(inside * (0.75 / 3.141592653589793));
+    least = std::min(least, next - face);
+    face = next;
+  }
+  return least;
+}
 
 void BedTables::begin(double radius, double temperature, double* row) const {
   const BedMatter& m = a_->m;

@@ -107,6 +107,7 @@ class BedTables {
   BedTables& operator=(const BedTables&) = delete;
   ~BedTables();
   const BedMatter& matter() const;
+  double thinnest_shell() const;  ///< its width in a grain of radius 1 m
   /// The row of a grain of this radius at one temperature [m, K].
   void begin(double radius, double temperature, double* row) const;
 

@@ -43,7 +43,7 @@ class Growth {
   void finish(Chunk& c) const {
     if (expired_) c.result.expired = 1;
     if (largest_ == 0 || !lists_.skin.own_check()) return;
-    const double more = lists_.skin.policy->word == ListPolicy::accumulated ? largest_ : charged_;
+    const double more = lists_.skin.policy->check == Policy::Check::largest_of_step ? largest_ : charged_;
     c.result.travel[0] += more;
     c.result.travel[1] += more;
   }

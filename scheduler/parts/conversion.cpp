@@ -12,11 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <map>
-#include <mutex>
 
-#include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
 #include "kernels/conversion/grain_batch.hpp"
 
@@ -28,18 +24,6 @@ constexpr std::uint64_t k_seed = 120;  // of its term in the state hash
 constexpr Row k_rows = 1024;           // per block of the ledger
 
 /// What converts of a material.
-/// Width of the thinnest shell of a grain of radius 1 m.
-double thinnest_shell(const BedMatter& m) {
-  double inside = 0, face = 0, least = 1;
-  for (int k = 0; k < m.shells; ++k) {
-    inside += m.volume[k];
-    const double next = det::cbrt(inside * (0.75 / 3.141592653589793));
-    least = fmin2(least, next - face);
-    face = next;
-  }
-  return least;
-}
-
 struct Kind {
   std::shared_ptr<const GrainJob> job;
   std::unique_ptr<BedTables> tables;
@@ -93,7 +77,7 @@ class Conversion final : public Part {
     for (const Kind& k : kinds_) {
       if (!k.job) continue;
       const BedMatter& m = k.tables->matter();
-      const double dx = w.rules.r_min * thinnest_shell(m);
+      const double dx = w.rules.r_min * k.tables->thinnest_shell();
       const int fuel = m.present[1] != 0 ? 1 : 0;  // moist matter where there is nothing else
       const double density = m.fuel_density > 0 ? m.fuel_density : m.moisture_density;
       most = fmin2(most, dx * dx * density * m.capacity[fuel].first / m.conductivity[fuel].first);
@@ -392,38 +376,6 @@ std::vector<PartValue> Conversion::values(const PartView& w) const {
 }
 
 }  // namespace
-
-namespace {
-
-/// A file is read once for all copies of a run.
-std::shared_ptr<const GrainJob> job_of(const std::string& path) {
-  static std::mutex mutex;
-  static std::map<std::string, std::weak_ptr<const GrainJob>> known;
-  const std::lock_guard lock(mutex);
-  std::weak_ptr<const GrainJob>& at = known[path];
-  std::shared_ptr<const GrainJob> job = at.lock();
-  if (!job) at = job = std::make_shared<const GrainJob>(load_grain(path));
-  return job;
-}
-
-}  // namespace
-
-std::unique_ptr<Part> make_conversion(const Rules& rules) {
-  const ConversionScene& c = rules.scene.conversion;
-  if (!c.on) return nullptr;
-  ConversionSettings s;
-  s.every = c.every;
-  s.shells = c.shells;
-  s.gone_below = c.gone_below;
-  s.resizes = c.resize;
-  s.matter.resize(rules.scene.materials.size());
-  for (std::size_t k = 0; k < s.matter.size() && k < c.grain.size(); ++k) {
-    if (c.grain[k].empty()) continue;
-    const std::filesystem::path file(c.grain[k]);
-    s.matter[k] = job_of((file.is_absolute() ? file : std::filesystem::path(rules.scene.directory) / file).string());
-  }
-  return make_conversion(rules, s);
-}
 
 std::unique_ptr<Part> make_conversion(const Rules& rules, const ConversionSettings& settings) {
   return std::make_unique<Conversion>(rules, settings);

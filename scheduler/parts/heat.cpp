@@ -6,6 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "core/rules/adhesion.hpp"
+#include "core/rules/laws/law.hpp"
 
 namespace talus {
 namespace {
@@ -23,7 +24,7 @@ HeatPair pair_of(const Rules& rules, int a, int b) {
   const MatterHeat &g = scene.heat.matter[static_cast<std::size_t>(a)],
                    &h = scene.heat.matter[static_cast<std::size_t>(b)];
   HeatPair p;
-  if (scene.contact.model == ContactModel::jkr) {
+  if (law_of(scene).adhesion != nullptr) {
     p.radius = HeatPair::Radius::neck;
     p.kappa = adhesion_length(scene, a, b);
   }

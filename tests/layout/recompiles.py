@@ -23,7 +23,7 @@ KINDS = [
     ("a node", ["scheduler/nodes/wall_contact.cpp"], 1),
     ("the header of a node", ["scheduler/nodes/wall_contact.hpp"], 5),
     ("a part", ["scheduler/parts/tracer.cpp"], 1),
-    ("the socket of parts", ["scheduler/part.hpp"], 20),
+    ("the socket of parts", ["scheduler/part.hpp"], 30),
     ("world.hpp", ["scheduler/step/world.hpp"], 15),
     ("a scene key", ["core/scene/sections/wall.cpp"], 1),
     ("what a line of a key can say", ["core/scene/key.hpp"], 20),
