@@ -203,8 +203,8 @@ TEST(Stability, TheGrainWhoseContactsAreTooStiffForTheStepIsNamed) {
     Simulation sim(s, options());
     sim.run(3);
     const double mass = 4.0 / 3 * 3.14159265358979 * k_r * k_r * k_r * s.materials[0].density;
-    const std::string said =
-        "the contacts of particle 1 together are so stiff that step^2 k/m = " + fmt::format("{:.3g}", 2 * 1e3 / mass * 1e-10);
+    const std::string said = "the contacts of particle 1 together are so stiff that step^2 k/m = " +
+                             fmt::format("{:.3g}", 2 * 1e3 / mass * 1e-10);
     int warned = 0;
     for (const Warning& w : sim.warnings()) {
       if (w.kind != "stiffness") continue;

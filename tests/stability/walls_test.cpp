@@ -1,4 +1,5 @@
 // Scenarios 32 to 35 and 38: meshes, corners, columns, vibrated beds, heat.
+#include <algorithm>
 #include <cmath>
 
 #include "core/meshes/mesh_file.hpp"
@@ -190,7 +191,43 @@ TEST(Stability, S35_VibratedBedFluidisesAndAbsurdAmplitudesMeetTheGuard) {
 }
 
 TEST(Stability, S38_HeatBetweenTinyAndHugeGrains) {
-  TALUS_PENDING("no over- or undershoot beyond the initial temperatures", "the engine has no heat transport yet");
+  constexpr double k_tiny = 1e-5, k_huge = 1e-2;
+  const auto scene = [&](std::int64_t every) {
+    Scene s = open_scene({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}, 1e-6);
+    linear_law(s, 1e2, 0);
+    s.allow_unstable_step = s.allow_initial_overlap = true;
+    add_grains(s, {{{0, 0, 0}, {}, k_huge, {}, 0, true}});
+    add_grains(s, {{{k_huge + 0.98 * k_tiny, 0, 0}, {}, k_tiny, {}, 0, true}});
+    s.heat.on = true;
+    s.heat.every = every;
+    s.heat.temperature = 300;
+    MatterHeat m;
+    m.capacity = Curve::constant(900);
+    m.conductivity = Curve::constant(0.1);
+    m.emissivity = 0.9;
+    s.heat.matter = {m};
+    s.heat.gas.on = true;
+    s.heat.gas.film = 1e4;  // Bi = h R / (3 k) of the huge one: 333
+    s.heat.gas.temperature = TimeTable::constant(1300);
+    s.heat.sources = {{300, false}, {2300, false}};
+    return s;
+  };
+  const std::string refused = refusal([&] { Simulation(scene(100000), options()).run(100000); });
+  ASSERT_NE(refused.find("heat.every = "), std::string::npos) << refused;
+  const std::int64_t most = std::stoll(refused.substr(refused.find("heat.every = ") + 13));
+  Simulation sim(scene(most), options());
+  double low = 1e9, high = 0;
+  for (int k = 0; k < 200; ++k) {
+    sim.run(most);
+    for (const ExtraColumn& c : sim.frame().extra) {
+      if (c.name != "temperature") continue;
+      for (const double t : c.values) low = std::min(low, t), high = std::max(high, t);
+    }
+  }
+  EXPECT_GT(low, 300) << "the huge one is warmed";
+  EXPECT_LE(high, 2300);
+  row("no over- or undershoot beyond the initial temperatures",
+      "mass ratio 1e9, 2000 K apart: " + sci(low) + " to " + sci(high) + " K at the longest heat step that is allowed");
 }
 
 }  // namespace
