@@ -223,8 +223,9 @@ namespace {
 
 template <class T>
 void put(std::vector<std::uint8_t>& to, const std::vector<T>& v) {
-  const auto* bytes = reinterpret_cast<const std::uint8_t*>(v.data());
-  to.insert(to.end(), bytes, bytes + v.size() * sizeof(T));
+  const std::size_t old = to.size(), bytes = v.size() * sizeof(T);
+  to.resize(old + bytes);
+  if (bytes != 0) std::memcpy(to.data() + old, v.data(), bytes);
 }
 
 /// Takes as many values as `v` has.
