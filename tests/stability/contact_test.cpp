@@ -193,7 +193,7 @@ TEST(Stability, S10_HypervelocityIsStoppedBeforeItCanPassAPlane) {
           " through; unguarded at 2.5 R: " + std::to_string(through_unguarded) + " of 40 through");
 }
 
-TEST(Stability, TheGrainWhoseContactsAreTooStiffForTheStepIsNamed) {
+TEST(Monitor, TheGrainWhoseContactsAreTooStiffForTheStepIsNamed) {
   for (const double level : {1e-6, 1.0}) {
     Scene s = open_scene({-1, -1, -1}, {1, 1, 1}, 1e-5);
     linear_law(s, 1e3, 0);
