@@ -86,9 +86,18 @@ class Guard {
     }
   }
 
+  /// The parser goes on from a bare value into quotes that follow it, and does not expect what may stand there.
+  void text_begins() const {
+    const std::size_t before = clean_.find_last_not_of(" \t", at_ == 0 ? std::string::npos : at_ - 1);
+    if (at_ == 0 || before == std::string::npos) return;
+    if (std::string_view("=,[{.\n").find(clean_[before]) == std::string_view::npos)
+      refuse(fmt::format("quotes behind '{}'", clean_[before]), "a text in quotes stands for itself");
+  }
+
   void outside(char c) {
     if (c == '#') comment_ = true;
     if (c != '"' && c != '\'') return;
+    text_begins();
     quote_ = c;
     triple_ = three(c);
     if (triple_) at_ += 2, column_ += 2;

@@ -132,6 +132,17 @@ TEST(SceneTexts, BytesThatAreNoUtf8AreRefusedWithTheirPlace) {
   EXPECT_CONTAINS(refusal(k_minimal, {"title=gr\xfc"}), "--set title=gr\\xfc: control characters and bytes");
 }
 
+TEST(SceneTexts, QuotesInTheMiddleOfAValueAreRefusedBeforeTheParserSeesThem) {
+  // toml++ reads on from a bare value into what follows, and leaves undefined what letters beyond ASCII do there
+  EXPECT_CONTAINS(refusal("seed = 1\"\xc3\xbc\"\n"),
+                  "t.toml:1:9: quotes behind '1' (a text in quotes stands for itself)");
+  EXPECT_CONTAINS(refusal("seed = 1979-05-27 '\xc3\xbc'\n"), "quotes behind '7'");
+  EXPECT_CONTAINS(refusal("gravity = [0\"\xc3\xbc\", 0, 0]\n"), "quotes behind '0'");
+  EXPECT_CONTAINS(refusal("title = \"a\" \"b\"\n"), "quotes behind '\"'");
+  const Scene s = parse("  \"title\" = \"\xc3\xbc\" # \"a\" 'b'\n" + std::string(k_minimal));
+  EXPECT_EQ(s.title, "\xc3\xbc");
+}
+
 TEST(SceneTexts, ControlCharactersAreRefusedHoweverTheyAreWritten) {
   for (const char* escape : {"\\n", "\\u0000", "\\u001b[31m", "\\u0085", "\\u2028", "\\u202e", "\\t", "\\u007f"}) {
     for (const char* key : {"title", "file", "name"}) {
