@@ -6,7 +6,6 @@
 #include <unistd.h>
 #include <zlib.h>
 
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 
@@ -176,18 +175,20 @@ TEST(ParticleFile, GzipFilesAreReadAndTruncatedOnesRefused) {
   }
 }
 
-TEST(ParticleFile, HundredThousandRowsLoadInAFractionOfASecond) {
+TEST(ParticleFile, AHundredThousandRowsAreReadInTheirOrder) {
   std::string text = "x,y,z,r,vx,vy,vz,wx,wy,wz,fixed\n";
   constexpr int rows = 128000;
   for (int i = 0; i < rows; ++i)
     text += fmt::format("{:.9g},{:.9g},{:.9g},0.5,{:.9g},-1.2345e-05,0.1,0.2,0.3,0.4,0\n", i * 0.123, i * 1.7, i / 3.0,
                         i * 1e-9);
-  const auto start = std::chrono::steady_clock::now();
   const ParticleFile p = parse_particles(text, "big.csv", k_materials);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  EXPECT_EQ(p.size(), static_cast<std::size_t>(rows));
-  EXPECT_LT(seconds, 2.0);  // measured 0.09 s; wide, so that sanitizers and busy machines pass
-  RecordProperty("seconds", std::to_string(seconds));
+  ASSERT_EQ(p.size(), static_cast<std::size_t>(rows));
+  for (const int i : {0, 1, 65536, rows - 1}) {
+    const auto k = static_cast<std::size_t>(i);
+    EXPECT_NEAR(p.x[k].x, i * 0.123, 1e-8 * (1 + i * 0.123));
+    EXPECT_NEAR(p.x[k].z, i / 3.0, 1e-8 * (1 + i / 3.0));
+    EXPECT_NEAR(p.v[k].x, i * 1e-9, 1e-14);
+  }
 }
 
 }  // namespace
