@@ -1,6 +1,7 @@
 // See resize.hpp.
 #include "scheduler/nodes/resize.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include "scheduler/lists/skin_check.hpp"
@@ -80,11 +81,14 @@ void resize_chunk(const PartView& w, const Parts& parts, Rows& rows, Lists& list
   for (const auto& p : parts.all)
     if (p->resizes()) p->sizes(w, c, {c.lo, c.hi, radius.data(), mass.data()});
   Growth growth(w, rows, lists);
+  const std::int32_t outside = c.result.out_count;  // in row order
   for (Row i = c.lo; i < c.hi; ++i) {
     const auto k = static_cast<std::size_t>(i - c.lo);
     if (!(rows.p2[4L * i] < k_far) || mass_before[k] == 0) continue;
     if (!(radius[k] > 0)) {
-      if (c.result.out_count < c.hi - c.lo) c.result.out[static_cast<std::size_t>(c.result.out_count++)] = i;
+      // a grain may leave the domain in the step in which it is used up: it is listed once
+      if (!std::binary_search(c.result.out.begin(), c.result.out.begin() + outside, i))
+        c.result.out[static_cast<std::size_t>(c.result.out_count++)] = i;
       continue;
     }
     if (radius[k] == before[k] && mass[k] == mass_before[k]) continue;
@@ -92,6 +96,7 @@ void resize_chunk(const PartView& w, const Parts& parts, Rows& rows, Lists& list
     if (radius[k] > before[k]) growth.add(i, radius[k] - before[k]);
   }
   growth.finish(c);
+  std::sort(c.result.out.begin(), c.result.out.begin() + c.result.out_count);  // removed in row order (I3)
 }
 
 }  // namespace talus

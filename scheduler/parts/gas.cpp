@@ -22,7 +22,7 @@ namespace talus {
 
 namespace {
 
-constexpr std::uint64_t k_force_seed = 110, k_heat_seed = 111, k_around_seed = 112, k_gas_seed = 113;
+constexpr std::uint64_t k_force_seed = 130, k_heat_seed = 131, k_around_seed = 132, k_gas_seed = 133;
 constexpr double k_most_drag = 0.5;  // of a step: drag * dt / mass
 
 /// Width of a row of `gas release`: species, enthalpy.

@@ -1,5 +1,6 @@
 // Grains that grow and shrink while they move: lists miss no contact under any policy, the trajectory has the same bits
 // for every way of running, velocity and spin stay, grains without size leave.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -104,6 +105,31 @@ TEST(Resize, VelocityAndSpinStayAndGrainsWithoutSizeLeave) {
   const World& w = EngineAccess::world(sim);
   const double density = s.materials[0].density;
   EXPECT_NEAR(mass_of(w.rules, w.rows, 0) / (density * 4.0 / 3 * M_PI * 0.0015 * 0.0015 * 0.0015), 1, 1e-12);
+}
+
+TEST(Resize, AGrainThatIsUsedUpInTheStepInWhichItLeavesIsRemovedOnce) {
+  Scene s = hertz_drum();
+  s.gravity = {};
+  s.walls.clear();
+  s.events.clear();
+  s.groups.clear();
+  Source a;
+  a.kind = Source::Kind::file;
+  // the first leaves through the upper side in step 20, the step in which the part takes its size away
+  a.file = temporary_file("leaver.csv", fmt::format("x,y,z,radius,vx,vy,vz,wx,wy,wz\n{:.17g},0,0,0.001,0.1,0,0,0,0,0\n"
+                                                    "0,0,0,0.001,0,0,0,0,0,0\n",
+                                                    1 - 20.5 * 0.1 * s.dt));
+  s.sources = {a};
+  s.domain.lower = {-1, -1, -1};
+  s.domain.upper = {1, 1, 1};
+  for (auto& axis : s.domain.boundary) axis = {Boundary::open, Boundary::open};
+  s.output.energies = false;
+  s.viscous_damping = 0;
+  Simulation sim(s, RunOptions{});
+  breathe(sim, 0.5, 40, 0);
+  sim.run(40);
+  EXPECT_EQ(sim.counters().removed, 1);
+  EXPECT_EQ(sim.particles(), 1);
 }
 
 TEST(Resize, WithoutSuchAPartThereIsNoNode) {
