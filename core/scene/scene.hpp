@@ -251,7 +251,7 @@ struct MonitorSettings {
   double warn_overlap = 0.1;    ///< overlap / smaller radius
   double warn_travel = 0.1;     ///< travel per step / radius
   double max_travel = 1;        ///< the same, stops: beyond it a wall can be crossed unseen
-  double warn_stiffness = 2;    ///< dt^2 * (sum of the stiffnesses of its contacts / mass) of a particle
+  double warn_stiffness = 6;    ///< dt^2 * (sum of the stiffnesses of its contacts / mass) of a particle, and more
   double warn_energy = 0.1;     ///< |energy balance residual| / energy turned over so far; needs output.energies
   double max_energy = k_never;  ///< the same, stops
 };

@@ -77,8 +77,8 @@ const Keys<MonitorSettings> k_monitor(
             "travel in one step / radius that stops the run: beyond 1 a wall can be crossed unseen", "0.5"),
         key("warn_stiffness", &MonitorSettings::warn_stiffness, "-", k_positive,
             "step^2 times (sum of the stiffnesses of a particle's contacts / its mass) that warns, with what dashpots "
-            "and tangential springs add; surely stable up to 2. Normal springs alone are surely unstable from 12 on, "
-            "which stops",
+            "and tangential springs add. Surely stable up to 2; a full packing at the largest step that is accepted "
+            "has 6. Normal springs alone are surely unstable from 12 on, which stops",
             "1"),
         key("warn_energy", &MonitorSettings::warn_energy, "-", k_positive,
             "energy balance residual / energy turned over that warns (with output.energies)", "0.01"),
