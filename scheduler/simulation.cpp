@@ -1,6 +1,8 @@
 // Simulation: set-up from a scene or a checkpoint, and the public calls.
 #include "scheduler/simulation.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "core/base/error.hpp"
@@ -33,6 +35,23 @@ struct Simulation::Impl {
   World w;
 };
 
+namespace {
+
+/// A part whose own steps are farther apart than the run is long does nothing: that is rarely meant.
+void warn_of_idle_parts(const Rules& rules, const Clock& clock, const Parts& parts, Monitor& monitor) {
+  for (const auto& p : parts.all)
+    for (const PartNode& n : p->nodes())
+      if (n.every > rules.scene.steps) {
+        monitor.warnings.push_back({"part",
+                                    fmt::format("part '{}' acts every {} steps, and the run has {}: it never acts",
+                                                p->name(), n.every, rules.scene.steps),
+                                    clock.step, 1, static_cast<double>(n.every), 0});
+        break;
+      }
+}
+
+}  // namespace
+
 Simulation::Simulation(const Scene& scene, const RunOptions& options)
     : impl_(std::make_unique<Impl>(start_of(scene, options, nullptr))) {
   World& w = impl_->w;
@@ -44,6 +63,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options)
     w.monitor.warnings.push_back({"particle_file", note, 0, 1, 0, 0});
   warn_of_sources(w.rules, w.clock, w.walls, w.monitor);
   warn_of_meshes(w.rules, w.clock, w.walls, w.monitor);
+  warn_of_idle_parts(w.rules, w.clock, w.parts, w.monitor);
   cut_into_chunks(w);
 }
 

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/base/error.hpp"
 #include "core/gas/species.hpp"
 
@@ -13,6 +15,7 @@ bool is_high(GasSide side) noexcept { return static_cast<int>(side) % 2 == 1; }
 
 std::vector<Opening> openings_of(const Grid& g, const GasSettings& s) {
   std::vector<Opening> all(g.outer.size());
+  std::vector<int> owner(g.outer.size());
   int number = 0;
   for (const GasInlet& i : s.inlets) {
     ++number;
@@ -36,12 +39,17 @@ std::vector<Opening> openings_of(const Grid& g, const GasSettings& s) {
       if (i.kind == GasInlet::Kind::flow)
         o.flux = s.pressure / o.gas_constant_t * i.velocity * g.area[static_cast<std::size_t>(f.axis)];
       all[k] = o;
+      owner[k] = number;
     }
     if (faces == 0)
       throw Error(ErrorCode::scene,
                   fmt::format("gas.inlet {} ({}) covers no face of the grid", number, enum_word(i.side)), "gas",
                   "lower and upper must hold the middle of a cell's face, on a side that is not periodic");
   }
+  for (int k = 1; k <= number; ++k)
+    if (std::find(owner.begin(), owner.end(), k) == owner.end())
+      throw Error(ErrorCode::scene, fmt::format("gas.inlet {} has no effect: later ones cover all of its faces", k),
+                  "gas", "lower and upper say which part of a side an inlet has");
   return all;
 }
 

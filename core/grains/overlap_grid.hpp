@@ -1,8 +1,7 @@
-// Spheres in hashed cells, one grid per halving of the radius: finds who overlaps a given sphere at a cost that depends
-// on neither the number of spheres nor the ratio of their sizes. Set-up and insertion only; the engine's list is
-// elsewhere. Who calls it: core/grains/insertion.cpp. Invariants: answers do not depend on the hash (a query visits
-// every sphere in reach);
-// + - * / and comparisons only (I4).
+// Spheres in hashed cells, one grid per halving of the radius: finds who overlaps a given sphere at a cost that does not
+// depend on the number of spheres; only one that is far larger than others looks at all of them. Set-up and insertion
+// only; the engine's list is elsewhere. Who calls it: core/grains/insertion.cpp. Invariants: answers do not depend on
+// the hash (a query visits every sphere in reach); + - * / and comparisons only (I4).
 #pragma once
 
 #include <cstdint>
@@ -54,6 +53,14 @@ class OverlapGrid {
       for (int k = 0; k < 3; ++k) {
         low[k] = cell(x[k] - reach, edge);
         high[k] = cell(x[k] + reach, edge);
+      }
+      // Far smaller spheres than this one: it covers more of their cells than there are spheres in all.
+      const double cells = static_cast<double>(high[0] - low[0] + 1) * static_cast<double>(high[1] - low[1] + 1) *
+                           static_cast<double>(high[2] - low[2] + 1);
+      if (cells > 64 + static_cast<double>(spheres_.size())) {
+        for (const Sphere& sphere : spheres_)
+          if (visit(sphere, norm2(sphere.x - x))) return true;
+        return false;
       }
       for (std::int64_t z = low[2]; z <= high[2]; ++z) {
         for (std::int64_t y = low[1]; y <= high[1]; ++y) {

@@ -21,6 +21,7 @@
 #include "core/base/error.hpp"
 #include "core/io/hdf5_handle.hpp"
 #include "core/io/hdf5_journal.hpp"
+#include "core/io/hdf5_rows.hpp"
 #include "core/io/scratch.hpp"
 #include "core/io/watched_file.hpp"
 
@@ -31,138 +32,31 @@ namespace {
 constexpr std::array<const char*, 4> k_kinds{"Vertices", "Lines", "Polygons", "Strips"};
 constexpr hsize_t k_chunk_rows = 4096;  ///< of columns that grow with the particles
 constexpr hsize_t k_chunk_steps = 64;   ///< of columns with one row per frame
-// Of the library's own blocks: what a new file takes, what any frame may, and a chunk's index nodes if all split.
-constexpr std::uint64_t k_room_file = 256 << 10, k_room_frame = 16 << 10, k_room_chunk = 12 << 10;
-
-/// Rows of one chunked dataset that grows along its first axis.
-struct Rows {
-  std::string name;
-  Handle id;
-  hid_t memory = -1;  ///< native type of the values
-  hsize_t width = 1;
-  bool matrix = false;  ///< rank 2 even when width is 1
-  hsize_t rows = 0;
-  hsize_t chunk = 0;  ///< rows per chunk
-  /// Bytes that `n` more rows can take in the file: whole chunks, and their entries in the index.
-  std::uint64_t room(hsize_t n) const {
-    const hsize_t before = (rows + chunk - 1) / chunk, after = (rows + n + chunk - 1) / chunk;
-    return (after - before) * (chunk * width * H5Tget_size(memory) + k_room_chunk);
-  }
-};
-
-herr_t innermost(unsigned n, const H5E_error2_t* e, void* out) {
-  if (n == 0 && e->desc != nullptr) *static_cast<std::string*>(out) = e->desc;
-  return 0;
-}
+// Of the library's own blocks: what a new file takes, and what any frame may.
+constexpr std::uint64_t k_room_file = 256 << 10, k_room_frame = 16 << 10;
 
 }  // namespace
 
-struct VtkHdfWriter::Impl {
-  std::string path;
+struct VtkHdfWriter::Impl : Hdf5RowsFile {
   ParticleColumns columns;
   Content content = Content::particles;
-  Handle file, steps_group;
-  Rows number_of_points, points;
+  Handle steps_group;
+  Hdf5Rows number_of_points, points;
   struct Kind {
-    Rows cells, ids, offsets, connectivity;
+    Hdf5Rows cells, ids, offsets, connectivity;
     hsize_t cell_base = 0;  ///< next CellOffsets entry (cells written, plus one after a spare entry)
     bool spare = false, empty_before = false;
   };
   std::array<Kind, 4> kinds;
-  Rows values, part_offsets, number_of_parts, point_offsets, cell_offsets, connectivity_offsets, step_numbers;
-  std::vector<Rows> point_data, point_data_offsets, cell_data, cell_data_offsets;
+  Hdf5Rows values, part_offsets, number_of_parts, point_offsets, cell_offsets, connectivity_offsets, step_numbers;
+  std::vector<Hdf5Rows> point_data, point_data_offsets, cell_data, cell_data_offsets;
   std::int64_t frames = 0, last_step = -1;
   WatchedFile watched;
-  mutable bool broken = false;  ///< the library failed: its handles stay open for good, closing would write again
-
-  [[noreturn]] void fail(const std::string& action) const {
-    broken = true;
-    std::string reason;
-    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, innermost, &reason);
-    throw Error(ErrorCode::io, "cannot " + action + (reason.empty() ? "" : ": " + reason), path,
-                "check free space and permissions; frames written before stay readable");
-  }
-  template <class T>
-  T check(T r, const char* action) const {
-    if (r < 0) fail(action);
-    return r;
-  }
 
   PolyData poly(const Frame& frame) const {
     if (content == Content::walls) return wall_poly(frame);
     if (content == Content::contacts) return contact_poly(frame);
     return particle_poly(frame, columns);
-  }
-
-  static hid_t file_type(hid_t native) {
-    if (H5Tequal(native, H5T_NATIVE_DOUBLE) > 0) return H5T_IEEE_F64LE;
-    if (H5Tequal(native, H5T_NATIVE_INT64) > 0) return H5T_STD_I64LE;
-    if (H5Tequal(native, H5T_NATIVE_INT32) > 0) return H5T_STD_I32LE;
-    return H5T_STD_U8LE;
-  }
-
-  /// Creates the dataset, or opens it when the file is resumed.
-  void dataset(Rows& r, const std::string& name, hid_t memory, hsize_t width, bool matrix, bool create, hsize_t chunk) {
-    r.name = name;
-    r.memory = memory;
-    r.width = width;
-    r.chunk = chunk;
-    r.matrix = matrix || width > 1;
-    const int rank = r.matrix ? 2 : 1;
-    if (create) {
-      const hsize_t size[2] = {0, width}, most[2] = {H5S_UNLIMITED, width}, chunks[2] = {chunk, width};
-      Handle space(check(H5Screate_simple(rank, size, most), "create a dataspace"));
-      Handle plist(check(H5Pcreate(H5P_DATASET_CREATE), "create a dataset"));
-      check(H5Pset_chunk(plist, rank, chunks), "create a dataset");
-      // Same frames, same bytes: no creation dates. Not compressed: rewriting a compressed chunk moves it, and a kill
-      // between two flushes could then lose frames that were safe before.
-      check(H5Pset_obj_track_times(plist, false), "create a dataset");
-      r.id = Handle(check(H5Dcreate2(file, name.c_str(), file_type(memory), space, H5P_DEFAULT, plist, H5P_DEFAULT),
-                          "create a dataset"));
-      r.rows = 0;
-      return;
-    }
-    r.id = Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT));
-    if (r.id < 0) throw_other_layout("it has no '" + name + "'");
-    Handle space(check(H5Dget_space(r.id), "read a dataspace"));
-    hsize_t size[2] = {0, 1};
-    if (H5Sget_simple_extent_ndims(space) != rank || H5Sget_simple_extent_dims(space, size, nullptr) < 0 ||
-        (rank == 2 && size[1] != width))
-      throw_other_layout("'" + name + "' has another shape");
-    r.rows = size[0];
-  }
-  [[noreturn]] void throw_other_layout(const std::string& why) const { throw CannotContinue(why, path); }
-
-  void append_rows(Rows& r, const void* data, hsize_t n) {
-    if (n == 0) return;
-    const int rank = r.matrix ? 2 : 1;
-    const hsize_t total[2] = {r.rows + n, r.width}, start[2] = {r.rows, 0}, count[2] = {n, r.width};
-    check(H5Dset_extent(r.id, total), "extend a dataset");
-    Handle space(check(H5Dget_space(r.id), "write"));
-    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr), "write");
-    Handle memory(check(H5Screate_simple(rank, count, nullptr), "write"));
-    check(H5Dwrite(r.id, r.memory, memory, space, H5P_DEFAULT, data), "write");
-    r.rows += n;
-  }
-  void append_value(Rows& r, std::int64_t v) { append_rows(r, &v, 1); }
-
-  std::vector<std::int64_t> read_row(const Rows& r, hsize_t row) const {
-    if (row >= r.rows) throw_other_layout("'" + r.name + "' is shorter than its number of steps");
-    std::vector<std::int64_t> out(r.width);
-    const hsize_t start[2] = {row, 0}, count[2] = {1, r.width};
-    Handle space(check(H5Dget_space(r.id), "read"));
-    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr), "read");
-    Handle memory(check(H5Screate_simple(r.matrix ? 2 : 1, count, nullptr), "read"));
-    check(H5Dread(r.id, H5T_NATIVE_INT64, memory, space, H5P_DEFAULT, out.data()), "read");
-    return out;
-  }
-  std::int64_t read_value(const Rows& r, hsize_t row) const { return read_row(r, row)[0]; }
-
-  void shrink(Rows& r, hsize_t rows) {
-    if (rows > r.rows) throw_other_layout("'" + r.name + "' is shorter than its steps say");
-    const hsize_t size[2] = {rows, r.width};
-    check(H5Dset_extent(r.id, size), "cut a dataset");
-    r.rows = rows;
   }
 
   void group(const char* name) {
@@ -192,7 +86,7 @@ struct VtkHdfWriter::Impl {
     }
     const auto i64 = H5T_NATIVE_INT64;
     const std::string root = "/VTKHDF/", steps = "/VTKHDF/Steps/";
-    const auto per_frame = [&](Rows& r, const std::string& name, hsize_t width = 1) {
+    const auto per_frame = [&](Hdf5Rows& r, const std::string& name, hsize_t width = 1) {
       dataset(r, name, i64, width, false, create, k_chunk_steps);
     };
     per_frame(number_of_points, root + "NumberOfPoints");
@@ -216,7 +110,7 @@ struct VtkHdfWriter::Impl {
     Frame none;  // shows the columns
     const PolyData p = poly(none);
     const auto fields = [&](const std::vector<PolyColumn>& columns_of, const std::string& place,
-                            std::vector<Rows>& data, std::vector<Rows>& offsets) {
+                            std::vector<Hdf5Rows>& data, std::vector<Hdf5Rows>& offsets) {
       data.resize(columns_of.size());
       offsets.resize(columns_of.size());
       for (std::size_t c = 0; c < columns_of.size(); ++c) {
@@ -355,8 +249,8 @@ struct VtkHdfWriter::Impl {
         n_cells += cells_written;
       }
     }
-    for (Rows* r : {&number_of_points, &values, &part_offsets, &number_of_parts, &point_offsets, &cell_offsets,
-                    &connectivity_offsets, &step_numbers})
+    for (Hdf5Rows* r : {&number_of_points, &values, &part_offsets, &number_of_parts, &point_offsets, &cell_offsets,
+                        &connectivity_offsets, &step_numbers})
       shrink(*r, n);
     shrink(points, n_points);
     for (int k = 0; k < 4; ++k) {
@@ -365,13 +259,13 @@ struct VtkHdfWriter::Impl {
       shrink(kinds[k].offsets, n_offsets[k]);
       shrink(kinds[k].connectivity, n_ids[k]);
     }
-    for (Rows& r : point_data) shrink(r, n_points);
-    for (Rows& r : cell_data) shrink(r, n_cells);
+    for (Hdf5Rows& r : point_data) shrink(r, n_points);
+    for (Hdf5Rows& r : cell_data) shrink(r, n_cells);
     for (auto* group_of : {&point_data_offsets, &cell_data_offsets})
-      for (Rows& r : *group_of) shrink(r, n);
+      for (Hdf5Rows& r : *group_of) shrink(r, n);
   }
 
-  void append_columns(const std::vector<PolyColumn>& from, std::vector<Rows>& to, std::vector<Rows>& offsets) {
+  void append_columns(const std::vector<PolyColumn>& from, std::vector<Hdf5Rows>& to, std::vector<Hdf5Rows>& offsets) {
     for (std::size_t c = 0; c < from.size(); ++c) {
       append_value(offsets[c], static_cast<std::int64_t>(to[c].rows));
       std::visit([&](const auto& v) { append_rows(to[c], v.data(), v.size() / to[c].width); }, from[c].values);
@@ -446,8 +340,8 @@ struct VtkHdfWriter::Impl {
   std::uint64_t room(const PolyData& p) const {
     const hsize_t n = p.points.size(), verts = p.vertices ? n : 0, polys = p.triangles.size();
     std::uint64_t bytes = k_room_frame + points.room(n);
-    for (const Rows* r : {&number_of_points, &values, &part_offsets, &number_of_parts, &point_offsets, &cell_offsets,
-                          &connectivity_offsets, &step_numbers})
+    for (const Hdf5Rows* r : {&number_of_points, &values, &part_offsets, &number_of_parts, &point_offsets,
+                              &cell_offsets, &connectivity_offsets, &step_numbers})
       bytes += r->room(1);
     for (std::size_t k = 0; k < kinds.size(); ++k) {
       const hsize_t cells = k == 0 ? verts : k == 2 ? polys : 0;
@@ -455,9 +349,9 @@ struct VtkHdfWriter::Impl {
       bytes += kinds[k].connectivity.room(k == 2 ? 3 * cells : cells);
     }
     for (const auto* columns_of : {&point_data_offsets, &cell_data_offsets})
-      for (const Rows& r : *columns_of) bytes += r.room(1);
-    for (const Rows& r : point_data) bytes += r.room(n);
-    for (const Rows& r : cell_data) bytes += r.room(verts + polys);
+      for (const Hdf5Rows& r : *columns_of) bytes += r.room(1);
+    for (const Hdf5Rows& r : point_data) bytes += r.room(n);
+    for (const Hdf5Rows& r : cell_data) bytes += r.room(verts + polys);
     return bytes;
   }
 };

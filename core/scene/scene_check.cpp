@@ -42,12 +42,17 @@ void fail_value(const SceneContext& context, const std::string& path, const Toml
 
 namespace {
 
-/// The default of a key, parsed from the key table once.
+/// The default of a key, parsed from the key table once. Of a key without one: no value, only the words that tell so.
 const TomlNode& default_node(const SceneKey& key) {
   static const auto defaults = [] {
     std::map<const SceneKey*, TomlNode> m;
-    for (const SceneKey& k : scene_keys())
-      if (k.has_default()) m.emplace(&k, parse_toml_value(k.fallback, ""));
+    for (const SceneKey& k : scene_keys()) {
+      TomlNode& n = m[&k];
+      if (k.has_default())
+        n = parse_toml_value(k.fallback, "");
+      else
+        n.shown = k.fallback;
+    }
     return m;
   }();
   return defaults.at(&key);
@@ -156,8 +161,7 @@ class Checker {
     if (const TomlNode* points = n.find("table")) return n.table.size() == 1 && points_ok(k, *points, 2);
     if (!finite_list(n.find("polynomial"), 0)) return false;
     for (const auto& [name, value] : n.table) {
-      const bool ok = name == "polynomial" ||
-                      (name == "origin" && value.is_number() && std::isfinite(value.number)) ||
+      const bool ok = name == "polynomial" || (name == "origin" && value.is_number() && std::isfinite(value.number)) ||
                       (name == "range" && finite_list(&value, 2) && value.list[0].number < value.list[1].number);
       if (!ok) return false;
     }

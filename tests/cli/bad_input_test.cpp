@@ -33,6 +33,15 @@ const std::vector<BadScene> k_bad_scenes{
     {"PackDoesNotFit", "number = 200", "number = 200000", {"fit"}},
     {"SizeUpsideDown", "min = 0.006", "min = 0.06", {"bad.toml:", "m"}},
     {"UnstableStep", "step = 2e-5", "step = 2e-3", {"step"}},
+    {"CornerBehindADerivedOne",
+     "[output]",
+     "[gas]\ncells = [2, 2, 4]\nlower = [0, 0.2, 0]\n[output]",
+     {"gas.upper", "that of the domain", "larger than 'lower'"}},
+    {"InletUnderAnother",
+     "[output]",
+     "[gas]\ncells = [2, 2, 4]\n[[gas.inlet]]\nside = \"bottom\"\nvelocity = 1\n"
+     "[[gas.inlet]]\nside = \"bottom\"\nvelocity = 2\n[output]",
+     {"gas.inlet 1", "no effect"}},
 };
 
 class BadScenes : public Cli, public ::testing::WithParamInterface<BadScene> {};

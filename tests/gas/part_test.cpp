@@ -35,6 +35,19 @@ Scene box(Vec3 size, std::array<int, 3> cells, double d) {
   return s;
 }
 
+TEST(GasPart, GasThatNeverActsInARunIsSaid) {
+  for (const std::int64_t every : {100, 101}) {
+    Scene s = box({0.01, 0.01, 0.01}, {2, 2, 2}, 1e-3);
+    s.sources[0].number = 2;
+    s.steps = 100;
+    s.gas.every = every;
+    const Simulation sim(s, RunOptions{});
+    int said = 0;
+    for (const Warning& w : sim.warnings()) said += w.text.find("'gas' acts every 101 steps") != std::string::npos;
+    EXPECT_EQ(said, every > 100 ? 1 : 0);
+  }
+}
+
 TEST(GasPart, FallingGrainReachesItsTerminalVelocity) {
   const double rho = 101325 / (specific_gas_constant(k_air) * 300), mu = viscosity(300);
   for (const GasDrag law : {GasDrag::gidaspow, GasDrag::di_felice})

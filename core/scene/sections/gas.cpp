@@ -58,7 +58,9 @@ const Keys<GasSettings> k_gas(
     });
 
 const Keys<GasInlet> k_inlet(
-    {"gas.inlet", true, "lets gas through a side of the grid, or through a rectangle of it; the rest is closed"},
+    {"gas.inlet", true,
+     "lets gas through a side of the grid, or through a rectangle of it; the rest is closed. Where several meet, the "
+     "last one counts"},
     fixed_by("the gas of the checkpoint has flown through it"),
     {
         key("side", &GasInlet::side, "of the grid: left and right (x), front and back (y), bottom and top (z)",
