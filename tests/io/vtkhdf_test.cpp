@@ -233,17 +233,27 @@ TEST(VtkHdf, KilledWriterLeavesWholeFramesAndCanBeResumed) {
   int some = 0;
   for (int round = 0; round < 8; ++round) {
     const std::string path = folder / ("k" + std::to_string(round) + ".vtkhdf");
+    int pipe_ends[2];
+    ASSERT_EQ(pipe(pipe_ends), 0);
     const pid_t child = fork();
     ASSERT_GE(child, 0);
     if (child == 0) {
       VtkHdfWriter w(path, k_all);
-      for (int step = 0;; ++step) w.append(make_frame(step, 100 + 700 * (step % 5)));
+      for (int step = 0;; ++step) {
+        w.append(make_frame(step, 100 + 700 * (step % 5)));
+        if (write(pipe_ends[1], "", 1) != 1) _exit(1);
+      }
     }
-    // The file appears whole: from the moment it has its name it can be read.
+    close(pipe_ends[1]);
+    // The file appears whole: from the moment it has its name it can be read. The kill comes at another moment of a
+    // frame in each round, and in half of the rounds surely after four frames, however slow the machine is.
     for (int wait = 0; wait < 20000 && !std::filesystem::exists(path); ++wait) usleep(1000);
-    usleep(static_cast<useconds_t>(23000 * round));
+    char told = 0;
+    for (int frame = 0; frame < (round % 2 == 1 ? 4 : 0); ++frame) ASSERT_EQ(read(pipe_ends[0], &told, 1), 1);
+    usleep(static_cast<useconds_t>(7000 * round));
     kill(child, SIGKILL);
     waitpid(child, nullptr, 0);
+    close(pipe_ends[0]);
     EXPECT_TRUE(python("check_vtkhdf.py", path + " particles --whole > /dev/null")) << round;
     auto w = VtkHdfWriter::resume(path, k_all, Content::particles, 3);
     some += w.frames() == 4;
