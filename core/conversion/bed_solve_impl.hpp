@@ -39,7 +39,8 @@ void Step<S>::solve() {
   put(k_out_heat_in, heat_in_);
   const B s = surface_gain_ + surface_slope_ * right;
   surface_ = most<S>(s, one);
-  put(k_out_contact, dt_ * (in(k_in_contact_heat)-in(k_in_contact)*s));
+  put(k_out_contact, dt_ * (in(k_in_contact_heat) + in(k_in_flow)-in(k_in_contact)*s));
+  put(k_out_outside, most<S>((around_gain_ + inner_ * right) / around_loss_, one));
 }
 
 }  // namespace talus::conversion::bed

@@ -8,8 +8,10 @@
 // the temperature as their rate does; one tridiagonal system gives the temperatures. What the heat that a shell took in
 // exceeds the sensible heat of its new temperature by is its debt, which the next step works off. First order in time.
 // Reactions that are fast and take up much heat want steps no longer than heat takes through a shell (dx^2 rho c / k):
-// in longer ones a shell may use up its reactant and come out too hot.
-// Short passes over the shells, each with its constants in registers, everything between them in cache.
+// in longer ones a shell may use up its reactant and come out too hot. k_out_excess says by how much a step is longer.
+// Heat that others exchange explicitly comes as a flow (k_in_flow), so that it balances to the bit; the temperature
+// that they then see is that of a surface in balance with them, not that of the flow: it never leaves the range of
+// both. Short passes over the shells, each with its constants in registers, everything between them in cache.
 #pragma once
 
 #include "core/conversion/bed_geometry.hpp"
@@ -40,6 +42,7 @@ class Step {
     surface_ = S::load(cell(place_.surface));
     capacities();
     geometry();
+    judge();
     film();
     if (m.chars > 0 || m.dries != 0) fronts();
     predict();
@@ -74,6 +77,8 @@ class Step {
   /// Conductances of the inner faces and the grain's size. A face follows the volume within it by one step of Newton
   /// from the step before: its error is the square of a step's relative change.
   void geometry();
+  /// How much longer the step is than heat takes through a shell that still holds fuel.
+  void judge();
   /// Exchange of the surface as gain - loss * T of the outermost shell [J per step]; the surface stores nothing.
   void film();
   /// Evaporation at the wet front and burning at the char front: a shell counts as far as the shells around it let gas
@@ -125,8 +130,8 @@ class Step {
   const double* in_ = nullptr;
   double* out_ = nullptr;
   long in_stride_ = 0, stride_ = 0;
-  B radius0_, surface_, emissivity_, area_, inner_, mass_film_, surface_gain_, surface_slope_, gain_, loss_, heat_in_,
-      carried_, evaporated_, reaction_, with_gas_;
+  B radius0_, surface_, emissivity_, area_, inner_, mass_film_, surface_gain_, surface_slope_, around_gain_,
+      around_loss_, gain_, loss_, heat_in_, carried_, evaporated_, reaction_, with_gas_;
 };
 
 }  // namespace talus::conversion::bed

@@ -66,6 +66,9 @@ void Step<S>::geometry() {
   st(w_.conductance, 0, zero);
   area_ = below_area;
   inner_ = S::set(2) * area_ * conducts / wide;
+  put(k_out_inner, inner_);
+  put(k_out_conductivity, conducts);
+  put(k_out_emissivity, emissivity_);
 }
 
 template <class S>
@@ -87,6 +90,7 @@ void Step<S>::film() {
     mass_film = mass_film * share;
   }
   mass_film_ = mass_film;
+  h = h * (S::set(1) - in(k_in_apart));
   const B wall = in(k_in_wall), contact = in(k_in_contact), contact_heat = in(k_in_contact_heat);
   const B sigma = S::set(5.670374419e-8) * emissivity_ * in(k_in_sees)*area_;
   // the chord to the wall's temperature: never takes the surface beyond it
@@ -94,11 +98,13 @@ void Step<S>::film() {
   for (int k = 0; k < 3; ++k) {
     const B radiation = sigma * (s * s + wall * wall) * (s + wall);
     outer = area_ * h + contact + radiation;
-    gain = area_ * (h * gas + in(k_in_flux)) + contact_heat + radiation * wall;
+    gain = area_ * (h * gas + in(k_in_flux)) + contact_heat + in(k_in_flow) + radiation * wall;
     share = S::set(1) / (inner_ + outer);
     s = most<S>((gain + inner_ * ld(T_, n - 1)) * share, S::set(1));
   }
   surface_ = s;
+  around_gain_ = gain - in(k_in_flow) + in(k_in_partner_heat);
+  around_loss_ = inner_ + outer + in(k_in_partner);
   surface_gain_ = gain * share;
   surface_slope_ = inner_ * share;
   loss_ = dt_ * (inner_ * outer * share);
@@ -149,6 +155,22 @@ void Step<S>::fronts() {
     }
     way = way + half + half;
   }
+}
+
+template <class S>
+void Step<S>::judge() {
+  if (m.fuel_density == 0) return;
+  const B zero = S::set(0), cube = radius0_ * radius0_ * radius0_;
+  const double* fuel = part(w_.before, 1);
+  B flow = zero, holds = S::set(1);
+  for (int i = 1; i < n; ++i) {
+    const auto left = S::gt(ld(fuel, i), S::set(0.05 * m.fuel_density * m.volume[i]) * cube);
+    const B g = S::select(left, ld(w_.conductance, i), zero), c = ld(w_.capacity, i);
+    const auto worse = S::gt(g * holds, flow * c);
+    flow = S::select(worse, g, flow);
+    holds = S::select(worse, c, holds);
+  }
+  put(k_out_excess, flow / holds);
 }
 
 }  // namespace talus::conversion::bed
