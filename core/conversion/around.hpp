@@ -57,13 +57,14 @@ CharYield<V> char_yield(const CharReaction& r, V T) {
     case CharReaction::Oxidant::oxygen: {
       const V ratio = V(r.ratio_A) * exponential(V(-r.ratio_E / k_gas_constant) / T);
       const V x = ratio / (V(1) + ratio), rest = V(1) - x;
-      return {V(0.031998 * per_kg) * (V(1) - V(0.5) * x), V(0.02801 * per_kg) * x, V(0.044009 * per_kg) * rest, none,
-              V(110.5e3 * per_kg) * x + V(393.5e3 * per_kg) * rest};
+      return {V(0.0319988 * per_kg) * (V(1) - V(0.5) * x), V(0.0280104 * per_kg) * x, V(0.0440098 * per_kg) * rest,
+              none, V(110.5e3 * per_kg) * x + V(393.5e3 * per_kg) * rest};
     }
     case CharReaction::Oxidant::carbon_dioxide:
-      return {V(0.044009 * per_kg), V(2 * 0.02801 * per_kg), none, none, V((2 * 110.5e3 - 393.5e3) * per_kg)};
+      return {V(0.0440098 * per_kg), V(2 * 0.0280104 * per_kg), none, none, V((2 * 110.5e3 - 393.5e3) * per_kg)};
     case CharReaction::Oxidant::steam:
-      return {V(0.018015 * per_kg), V(0.02801 * per_kg), none, V(0.002016 * per_kg), V((110.5e3 - 241.8e3) * per_kg)};
+      return {V(0.01801528 * per_kg), V(0.0280104 * per_kg), none, V(0.00201588 * per_kg),
+              V((110.5e3 - 241.8e3) * per_kg)};
   }
   return {none, none, none, none, none};
 }

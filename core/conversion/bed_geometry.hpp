@@ -181,13 +181,13 @@ TALUS_SHAPES_INLINE CharGas<S> yield_of(const BedChar& r, typename S::B T) {
   if (r.oxidant == 0) {
     const B ratio = S::set(r.ratio_A) * exponential<S>(S::set(-r.ratio_E) / T);
     const B x = ratio / (one + ratio), rest = one - x;
-    return {S::set(0.031998 * per_kg) * (one - S::set(0.5) * x), S::set(0.02801 * per_kg) * x,
-            S::set(0.044009 * per_kg) * rest, none, S::set(110.5e3 * per_kg) * x + S::set(393.5e3 * per_kg) * rest};
+    return {S::set(0.0319988 * per_kg) * (one - S::set(0.5) * x), S::set(0.0280104 * per_kg) * x,
+            S::set(0.0440098 * per_kg) * rest, none, S::set(110.5e3 * per_kg) * x + S::set(393.5e3 * per_kg) * rest};
   }
   if (r.oxidant == 1)
-    return {S::set(0.044009 * per_kg), S::set(2 * 0.02801 * per_kg), none, none,
+    return {S::set(0.0440098 * per_kg), S::set(2 * 0.0280104 * per_kg), none, none,
             S::set((2 * 110.5e3 - 393.5e3) * per_kg)};
-  return {S::set(0.018015 * per_kg), S::set(0.02801 * per_kg), none, S::set(0.002016 * per_kg),
+  return {S::set(0.01801528 * per_kg), S::set(0.0280104 * per_kg), none, S::set(0.00201588 * per_kg),
           S::set((110.5e3 - 241.8e3) * per_kg)};
 }
 

@@ -134,6 +134,10 @@ enum BedIn : int {
   k_in_contact,       ///< conductance to neighbours [W/K]
   k_in_contact_heat,  ///< sum of conductance times temperature of the neighbours [W]
   k_in_film,          ///< coefficient [W/m2/K]; negative: by the law
+  k_in_apart,         ///< share of the film's heat that is not exchanged here but comes with k_in_flow
+  k_in_flow,          ///< heat into the surface whatever its temperature [W]
+  k_in_partner,       ///< sum of the conductances that k_in_flow came through [W/K]
+  k_in_partner_heat,  ///< sum of conductance times temperature of what it came from [W]
   k_in_oxygen,
   k_in_carbon_dioxide,
   k_in_steam,  ///< mass fractions
@@ -141,7 +145,7 @@ enum BedIn : int {
 };
 enum BedOut : int {
   k_out_heat_in,   ///< through the surface in the step [J]
-  k_out_contact,   ///< of that, from neighbours [J]
+  k_out_contact,   ///< of that, from neighbours and with k_in_flow [J]
   k_out_reaction,  ///< released by reactions and evaporation [J]
   k_out_with_gas,  ///< sensible heat of solids that became gas [J]
   k_out_oxygen,
@@ -156,6 +160,12 @@ enum BedOut : int {
   k_out_fuel,
   k_out_char,
   k_out_ash,
+  k_out_outside,       ///< surface temperature at which it would be in balance with its partners too [K]
+  k_out_excess,        ///< step over the time that heat takes through a shell that still holds fuel, the largest
+  k_out_capacity,      ///< of the outermost shell [J/K]
+  k_out_inner,         ///< conductance from its middle to the surface [W/K]
+  k_out_conductivity,  ///< of the outermost shell [W/m/K]
+  k_out_emissivity,
   k_out_gone,                                   ///< elements that left [kg]
   k_out_released = k_out_gone + k_bed_elements  ///< gases [kg]
 };

@@ -21,6 +21,7 @@ constexpr int k_direct_cells = 20000, k_direct_width = 9;  // in a thin column L
 constexpr int k_most_iterations = 200;
 constexpr double k_change = 1e-10;      // relative change of velocities at which the iteration ends
 constexpr double k_most_change = 1e-6;  // ... that is accepted when it has not
+constexpr double k_still = 1e-7;        // or a change [m/s] of gas that is nearly at rest
 constexpr double k_cg_tolerance = 1e-13, k_cg_enough = 1e-9;  // aimed at; accepted where rounding ends it earlier
 
 /// Lower triangle of the matrix over cells, with the places of diagonal and faces in its values.
@@ -206,6 +207,13 @@ struct FlowSolver::Impl {
     }
   }
 
+  static double largest(const Flow& flow) {
+    double most = 0;
+    for (const auto* u : {&flow.inner, &flow.outer})
+      for (const double x : *u) most = fmax2(most, __builtin_fabs(x));
+    return most;
+  }
+
   static double change_of(const Flow& a, const Flow& b) {
     double most = 1e-30, change = 0;
     const auto look = [&](const std::vector<double>& u, const std::vector<double>& w) {
@@ -276,7 +284,7 @@ void FlowSolver::solve(const FlowInput& in, Flow& flow) {
     flow.change = Impl::change_of(before, flow);
     if (flow.change <= k_change && flow.iterations > 1) break;
   }
-  if (!(flow.change <= k_most_change))
+  if (!(flow.change <= k_most_change) && !(flow.change * Impl::largest(flow) <= k_still))
     throw Error(
         ErrorCode::physics,
         fmt::format("the flow of the gas does not settle: velocities change by {:.2g} per iteration", flow.change),

@@ -1,6 +1,8 @@
 // See gas.hpp.
 #include "core/gas/gas.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 #include <numeric>
@@ -13,6 +15,8 @@
 namespace talus::gas {
 
 namespace {
+
+constexpr double k_rounding = 1e-9;  // negative share of a cell's mass that is none
 
 GasFractions fractions_of(const GasFractions& mass) {
   const double m = sum(mass);
@@ -179,14 +183,53 @@ void Gas::step(const FromGrains& wanted, double dt) {
       t = temperature_of(fractions_of(content_.mass[c]), content_.enthalpy[c] / sum(content_.mass[c]), t);
   }
   add(balance_.passed, passed);
+  store();
+  ++steps_;
+  set_fields();
+}
+
+void Gas::give(int cell, const GasFractions& mass, double enthalpy) {
+  const auto c = static_cast<std::size_t>(cell);
+  given_.resize(content_.mass.size(), 0);
+  given_[c] = 1;
+  add(content_.mass[c], mass);
+  content_.enthalpy[c] += enthalpy;
+  add(balance_.passed.grains, mass);
+  balance_.passed.enthalpy_grains += enthalpy;
+}
+
+void Gas::settle() {
+  for (std::size_t c = 0; c < given_.size(); ++c) {
+    if (given_[c] == 0) continue;
+    given_[c] = 0;
+    const double whole = sum(content_.mass[c]);
+    for (std::size_t k = 0; k < k_gas_species; ++k) {
+      double& m = content_.mass[c][k];
+      if (m < -k_rounding * whole) fail(c, std::string(species(static_cast<int>(k)).name) + " runs out");
+      m = fmax2(m, 0);
+    }
+    double& t = content_.temperature[c];
+    t = temperature_of(fractions_of(content_.mass[c]), content_.enthalpy[c] / sum(content_.mass[c]), t);
+    if (!(t > 0.5 * k_coldest && t < 2 * k_hottest)) fail(c, fmt::format("the gas would have {:.4g} K", t));
+  }
+  store();
+  set_fields();
+}
+
+void Gas::fail(std::size_t cell, const std::string& what) const {
+  const Vec3 x = grid_.middle(static_cast<int>(cell));
+  throw Error(ErrorCode::physics,
+              fmt::format("{} at ({:.4g}, {:.4g}, {:.4g}) m by what grains take and give", what, x.x, x.y, x.z), "gas",
+              "a smaller gas.every, larger cells");
+}
+
+void Gas::store() {
   balance_.stored = {};
   balance_.stored_enthalpy = 0;
   for (std::size_t c = 0; c < content_.mass.size(); ++c) {
     add(balance_.stored, content_.mass[c]);
     balance_.stored_enthalpy += content_.enthalpy[c];
   }
-  ++steps_;
-  set_fields();
 }
 
 void Gas::set_fields() {

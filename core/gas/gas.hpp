@@ -38,6 +38,10 @@ class Gas {
   bool started() const noexcept { return !content_.mass.empty(); }
   /// One step of dt [s]. Error{physics}.
   void step(const FromGrains& grains, double dt);
+  /// Mass [kg] and enthalpy [J] that grains put into a cell between two steps; negative: take from it. At the end of it
+  /// settle(). Error{physics}: more is taken than there is; beyond the range of the thermodynamics.
+  void give(int cell, const GasFractions& mass, double enthalpy);
+  void settle();
   void set_gravity(Vec3 g) noexcept { gravity_ = g; }
 
   const Grid& grid() const noexcept { return grid_; }
@@ -57,6 +61,8 @@ class Gas {
  private:
   void set_porosity(const FromGrains& grains);
   void set_fields();
+  void store();
+  [[noreturn]] void fail(std::size_t cell, const std::string& what) const;
   std::vector<int> flow_order() const;
   FromGrains at_most_there(const FromGrains& grains, double dt) const;
   FlowInput flow_input(const FromGrains& grains, double dt) const;
@@ -72,6 +78,7 @@ class Gas {
   ToGrains fields_;
   Balance balance_;
   std::int64_t steps_ = 0;
+  std::vector<char> given_;  ///< cells that grains have given something since settle()
 };
 
 }  // namespace talus::gas

@@ -126,6 +126,12 @@ std::string summary_json(const Summary& s) {
     o.raw("planes", "[" + planes + "\n  ]");
     o.add("planes_hash", fmt::format("{:016x}", *s.planes_hash));
   }
+  if (!s.parts.empty()) {
+    std::string parts;
+    for (const auto& [name, value] : s.parts)
+      parts += fmt::format("{}\n    {}: {}", parts.empty() ? "" : ",", json_string(name), Object::number(value));
+    o.raw("parts", "{" + parts + "\n  }");
+  }
   o.add("late_detections", s.late_detections);
   o.add("missed_contacts", s.missed_contacts);
   o.add("bytes_per_particle", s.bytes_per_particle);

@@ -46,9 +46,10 @@ struct Summary {
     double mass = 0;                                        ///< the same of masses [kg]
   };
   std::vector<Plane> planes;
-  std::optional<std::uint64_t> planes_hash;     ///< over the planes and their counts; only with planes
-  std::optional<std::int64_t> late_detections;  ///< not counted: the list is checked at every step
-  std::optional<std::int64_t> missed_contacts;  ///< only if audited
+  std::vector<std::pair<std::string, double>> parts;  ///< last values of optional parts, by their columns of the series
+  std::optional<std::uint64_t> planes_hash;           ///< over the planes and their counts; only with planes
+  std::optional<std::int64_t> late_detections;        ///< not counted: the list is checked at every step
+  std::optional<std::int64_t> missed_contacts;        ///< only if audited
   double bytes_per_particle = 0;
   std::int64_t peak_rss_bytes = 0;
   /// A rebuild of the list; thinned.

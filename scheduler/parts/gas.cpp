@@ -1,9 +1,7 @@
 // Part "gas": the gas in the voids (core/gas) and the grains. Every gas.every steps the grains are shared among the
 // cells, the gas makes a step over that time, and each grain gets the law of its force until the next one; in every
-// step the force of that law at the grain's present velocity joins those of its contacts. Other parts meet it in
-// columns: where rows have a `temperature` [K], heat goes to `gas heat` [W]; where they have a `gas release` (eight
-// species [kg/s], enthalpy [W]), the gas takes it and says what is there in `gas around`. Invariants: I3 (rows in
-// order), I7.
+// step the force of that law at the grain's present velocity joins those of its contacts. Where grains have
+// temperatures or shells it exchanges heat and species with them (doors.hpp). Invariants: I3 (rows in order), I7.
 #include "core/gas/gas.hpp"
 
 #include <xxhash.h>
@@ -15,6 +13,7 @@
 #include "core/gas/drag.hpp"
 #include "core/gas/openings.hpp"
 #include "core/gas/species.hpp"
+#include "scheduler/parts/doors.hpp"
 #include "scheduler/parts/gas_coupling.hpp"
 #include "scheduler/team/pools.hpp"
 
@@ -22,11 +21,12 @@ namespace talus {
 
 namespace {
 
-constexpr std::uint64_t k_force_seed = 130, k_heat_seed = 131, k_around_seed = 132, k_gas_seed = 133;
+constexpr std::uint64_t k_force_seed = 130, k_gas_seed = 133;
 constexpr double k_most_drag = 0.5;  // of a step: drag * dt / mass
 
-/// Width of a row of `gas release`: species, enthalpy.
-constexpr int k_release_width = k_gas_species + 1;
+/// Species that grains take: as GasNear::kept.
+constexpr std::size_t k_taken[3] = {static_cast<std::size_t>(GasSpecies::o2), static_cast<std::size_t>(GasSpecies::co2),
+                                    static_cast<std::size_t>(GasSpecies::h2o)};
 
 std::array<bool, 3> wrapped_axes(const Scene& s) {
   std::array<bool, 3> wraps{};
@@ -36,16 +36,15 @@ std::array<bool, 3> wrapped_axes(const Scene& s) {
   return wraps;
 }
 
-const Columns::Entry* column_named(const Columns& columns, const char* name) {
-  for (const Columns::Entry& e : columns.all())
-    if (e.info.name == name && e.info.in) return &e;
-  return nullptr;
-}
-
-class GasPart final : public Part {
+class GasPart final : public Part, public GasCells {
  public:
   explicit GasPart(const Rules& rules)
-      : scene_(rules.scene), gas_(rules.scene.gas, wrapped_axes(rules.scene), rules.scene.gravity) {
+      : scene_(rules.scene),
+        gas_(rules.scene.gas, wrapped_axes(rules.scene), rules.scene.gravity),
+        thermal_(rules.scene.heat.on),
+        converts_(rules.scene.conversion.on) {
+    if (thermal_ && scene_.gas.every != scene_.heat.every)
+      throw Error(ErrorCode::scene, "gas.every must be heat.every", scene_.file, "the same number of steps");
     for (int k = 0; k < 3; ++k)
       if (gas_.grid().h[k] < gas::k_smallest_cell * rules.r_max)
         throw Error(ErrorCode::scene, "gas.cells: edges of cells are below a third of the largest radius",
@@ -55,9 +54,6 @@ class GasPart final : public Part {
   std::string name() const override { return "gas"; }
 
   void add_columns(Columns& columns) override {
-    columns_ = &columns;
-    thermal_ = column_named(columns, "temperature") != nullptr;
-    releases_ = column_named(columns, "gas release") != nullptr;
     ColumnInfo i;
     i.name = "gas force";
     i.label = "gas force, next";
@@ -68,19 +64,17 @@ class GasPart final : public Part {
     i.optional = true;
     i.hash_seed = k_force_seed;
     columns.add(i, force_, &next_);
-    ColumnInfo h = i;
-    h.name = h.label = "gas heat";
+    ColumnInfo h;
+    h.name = "gas heat";
     h.unit = "W";
-    h.width = 1;
+    h.why = "gas beside heat";
     h.in = thermal_;
-    h.hash_seed = k_heat_seed;
+    h.moves = false;
     columns.add(h, heat_);
-    ColumnInfo a = i;
-    a.name = a.label = "gas around";
-    a.unit = "K, W/K, -";
+    ColumnInfo a = h;
+    a.name = "gas around";
+    a.unit = "W/K, W/m2/K, m/s";
     a.width = k_width<GasAtGrain>;
-    a.in = thermal_ || releases_;
-    a.hash_seed = k_around_seed;
     columns.add(a, around_);
   }
 
@@ -100,7 +94,7 @@ class GasPart final : public Part {
                      [this](const PartView& w, const Chunk&) { add_work(w); }});
     all.push_back({"gas_step",
                    PartNode::When::step,
-                   {{"p"}, {"v"}},
+                   {{"p"}, {"v"}, {"temperature"}},
                    {{"gas"}, {"gas force"}, {"gas heat"}, {"gas around"}},
                    scene_.gas.every,
                    [this](const PartView& w, const Chunk&) { step(w); }});
@@ -112,8 +106,6 @@ class GasPart final : public Part {
       const Row i = first + static_cast<Row>(k);
       set_row(force_, i, GasForce{});
       set_row(next_, i, GasForce{});
-      if (thermal_) heat_[static_cast<std::size_t>(i)] = 0;
-      if (thermal_ || releases_) set_row(around_, i, GasAtGrain{});
     }
   }
 
@@ -140,19 +132,36 @@ class GasPart final : public Part {
     for (const double t : gas_.fields().temperature) low = fmin2(low, t), high = fmax2(high, t);
     const Vec3 f = total_force(w);
     const bool started = gas_.started();
-    return {{"gas.mass_in", "kg", gas::sum(b.passed.in)},
-            {"gas.mass_out", "kg", gas::sum(b.passed.out)},
-            {"gas.mass_residual", "kg", b.mass_residual()},
-            {"gas.element_residual", "kg", element},
-            {"gas.enthalpy_residual", "J", b.enthalpy_residual()},
-            {"gas.pressure_drop", "Pa", started ? gas_.pressure_drop(axis()) : 0},
-            {"gas.temperature_min", "K", started ? low : scene_.gas.temperature},
-            {"gas.temperature_max", "K", started ? high : scene_.gas.temperature},
-            {"gas.force_x", "N", f.x},
-            {"gas.force_y", "N", f.y},
-            {"gas.force_z", "N", f.z},
-            {"gas.iterations", "-", static_cast<double>(gas_.flow().iterations)}};
+    std::vector<PartValue> out{{"gas.mass_in", "kg", gas::sum(b.passed.in)},
+                               {"gas.mass_out", "kg", gas::sum(b.passed.out)},
+                               {"gas.mass_residual", "kg", b.mass_residual()},
+                               {"gas.element_residual", "kg", element},
+                               {"gas.enthalpy_residual", "J", b.enthalpy_residual()},
+                               {"gas.pressure_drop", "Pa", started ? gas_.pressure_drop(axis()) : 0},
+                               {"gas.temperature_min", "K", started ? low : scene_.gas.temperature},
+                               {"gas.temperature_max", "K", started ? high : scene_.gas.temperature},
+                               {"gas.force_x", "N", f.x},
+                               {"gas.force_y", "N", f.y},
+                               {"gas.force_z", "N", f.z},
+                               {"gas.iterations", "-", static_cast<double>(gas_.flow().iterations)}};
+    if (thermal_) {
+      out.push_back({"gas.enthalpy", "J", b.stored_enthalpy});
+      out.push_back({"gas.heat_from_grains", "J", b.passed.heat_grains});
+    }
+    if (converts_) {
+      out.push_back({"gas.mass_from_grains", "kg", gas::sum(b.passed.grains)});
+      out.push_back({"gas.enthalpy_from_grains", "J", b.passed.enthalpy_grains});
+    }
+    return out;
   }
+
+  // --- what other parts see of it ---
+  double heat(Row i) const override { return heat_[static_cast<std::size_t>(i)]; }
+  double conductance(Row i) const override { return row_of<GasAtGrain>(around_, i).conductance; }
+  GasNear near(Row i) const override;
+  void offer(const PartView& w, const std::vector<double>& uptake) override;
+  void give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double temperature) override;
+  void settle() override { gas_.settle(); }
 
   double work() const override { return work_.done; }
 
@@ -251,7 +260,6 @@ class GasPart final : public Part {
     before_ = gas_.save();
     gas_.set_gravity(w.clock.gravity);
     if (thermal_) offer_heat(w);
-    if (releases_) offer_release(w);
     gas_.step(from_, scene_.dt * static_cast<double>(scene_.gas.every));
     std::swap(force_, next_);
     clock_ = &w.clock;
@@ -263,7 +271,6 @@ class GasPart final : public Part {
       check_drag(w, i, f.drag);
       set_row(force_, i, f);
       if (thermal_) take_heat(i);
-      if (thermal_ || releases_) set_row(around_, i, shares_.around(w, scene_.gas, gas_.fields(), i));
     }
   }
 
@@ -275,22 +282,23 @@ class GasPart final : public Part {
                 "step " + std::to_string(w.clock.step), "at most " + at_most(k_most_drag * m / drag) + " s");
   }
 
-  const double* values_of(const char* column, Row i) const {
-    const Columns::Entry* e = column_named(*columns_, column);
-    return reinterpret_cast<const double*>(e->data()) + static_cast<long>(e->info.width) * i;
-  }
-
+  /// The gas takes heat implicitly, at the temperatures that surfaces have now.
   void offer_heat(const PartView& w) {
+    const auto* grains = part_as<GrainHeat>(w.parts);
+    const auto* inside = part_as<GrainInside>(w.parts);
     for (Row i = 0; i < w.rows.n; ++i) {
       if (!w.rows.is_alive(i)) continue;
-      const double t = *values_of("temperature", i);
-      const GasAtGrain a = shares_.around(w, scene_.gas, gas_.fields(), i);
+      const auto at = static_cast<std::size_t>(i);
+      const double t = grains->temperature()[at];
+      GasAtGrain a = shares_.around(w, scene_.gas, gas_.fields(), i);
+      if (inside != nullptr && has_shells(scene_.conversion, w.rules.has.materials ? w.rows.material[i] : 0))
+        a.conductance = thinned(a.conductance, inside->surface(i).carried);
       set_row(around_, i, a);
       shares_.each(i, [&](std::size_t c, double, double weight) {
         from_.conductance[c] += weight * a.conductance;
         from_.heat[c] += weight * a.conductance * t;
       });
-      heat_[static_cast<std::size_t>(i)] = t;
+      heat_[at] = t;
     }
   }
 
@@ -303,17 +311,6 @@ class GasPart final : public Part {
       power += weight * conductance * (gas_.fields().exchange_temperature[c] - t);
     });
     heat_[q] = power;
-  }
-
-  void offer_release(const PartView& w) {
-    for (Row i = 0; i < w.rows.n; ++i) {
-      if (!w.rows.is_alive(i)) continue;
-      const double* r = values_of("gas release", i);
-      shares_.each(i, [&](std::size_t c, double, double weight) {
-        for (std::size_t k = 0; k < k_gas_species; ++k) from_.source[c][k] += weight * r[k];
-        from_.enthalpy[c] += weight * r[k_release_width - 1];
-      });
-    }
   }
 
   Vec3 total_force(const PartView& w) const {
@@ -330,16 +327,64 @@ class GasPart final : public Part {
   gas::Gas gas_;
   gas::FromGrains from_;
   GasShares shares_;
-  const Columns* columns_ = nullptr;
-  bool thermal_ = false, releases_ = false;
-  Column<double> force_, next_;  ///< GasForce of this and the last gas step
-  Column<double> heat_;          ///< [W]
-  Column<double> around_;        ///< GasAtGrain
+  const bool thermal_, converts_;
+  std::vector<std::array<double, 3>> kept_;  ///< by cell: see GasNear
+  Column<double> force_, next_;              ///< GasForce of this and the last gas step
+  Column<double> heat_;                      ///< [W]
+  Column<double> around_;                    ///< GasAtGrain
   Work work_, work_before_;
   const Clock* clock_ = nullptr;      ///< of the run, known from the first gas step on
   std::int64_t gas_step_ = -1;        ///< step of the last gas step
   std::vector<std::uint8_t> before_;  ///< the gas before it
 };
+
+GasNear GasPart::near(Row i) const {
+  const GasAtGrain a = row_of<GasAtGrain>(around_, i);
+  const gas::ToGrains& f = gas_.fields();
+  GasNear n{0, a.film, a.slip, 0, {}};
+  shares_.each(i, [&](std::size_t c, double, double weight) {
+    n.temperature += weight * f.temperature[c];
+    n.steam += weight * f.fractions[c][k_taken[2]];
+    for (std::size_t k = 0; k < 3 && !kept_.empty(); ++k) n.kept[k] += weight * kept_[c][k];
+  });
+  return n;
+}
+
+/// A step of implicit Euler for what is taken alone: y' = -(sum of uptakes / mass) y.
+void GasPart::offer(const PartView& w, const std::vector<double>& uptake) {
+  const double dt = scene_.dt * static_cast<double>(scene_.gas.every);
+  std::vector<double> all(static_cast<std::size_t>(gas_.grid().cells()), 0.0);
+  for (Row i = 0; i < w.rows.n; ++i)
+    if (const double u = uptake[static_cast<std::size_t>(i)]; u > 0)
+      shares_.each(i, [&](std::size_t c, double, double weight) { all[c] += weight * u; });
+  kept_.resize(all.size());
+  for (std::size_t c = 0; c < all.size(); ++c)
+    for (std::size_t k = 0; k < 3; ++k)
+      kept_[c][k] = gas_.fields().fractions[c][k_taken[k]] / (1 + dt * all[c] / gas::sum(gas_.content().mass[c]));
+}
+
+/// What is taken comes from each cell as much as it keeps: no more than its share of what lasts.
+void GasPart::give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double temperature) {
+  std::array<double, 3> seen{};
+  shares_.each(i, [&](std::size_t c, double, double weight) {
+    for (std::size_t k = 0; k < 3; ++k) seen[k] += weight * kept_[c][k];
+  });
+  shares_.each(i, [&](std::size_t c, double, double weight) {
+    GasFractions m{};
+    double enthalpy = 0;
+    for (std::size_t k = 0; k < m.size(); ++k) {
+      m[k] = weight * released[k];
+      if (m[k] != 0) enthalpy += m[k] * gas::enthalpy(static_cast<int>(k), temperature);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!(taken[k] > 0)) continue;
+      const double mass = taken[k] * (weight * kept_[c][k] / seen[k]);
+      m[k_taken[k]] -= mass;
+      enthalpy -= mass * gas::enthalpy(static_cast<int>(k_taken[k]), gas_.fields().temperature[c]);
+    }
+    gas_.give(static_cast<int>(c), m, enthalpy);
+  });
+}
 
 }  // namespace
 

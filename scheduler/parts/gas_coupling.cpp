@@ -72,8 +72,8 @@ GasAtGrain GasShares::around(const PartView& w, const GasSettings& s, const gas:
     const double re = gas.density[c] * slip * d / gas.viscosity[c];
     const double h = gas::nusselt(s.nusselt, e, re, gas.prandtl[c]) * gas.conductivity[c] / d;
     a.conductance += volume / whole * area * h;
-    a.temperature += weight * gas.temperature[c];
-    for (std::size_t k = 0; k < a.fractions.size(); ++k) a.fractions[k] += weight * gas.fractions[c][k];
+    a.film += weight * h;
+    a.slip += weight * slip;
   });
   return a;
 }

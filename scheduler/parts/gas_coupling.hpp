@@ -17,11 +17,11 @@ struct GasForce {
   Vec3 push;        ///< volume times falling pressure [N]
 };
 
-/// What a grain has around it, for parts that exchange heat and species with it.
+/// The gas around a grain at the begin of a gas step.
 struct GasAtGrain {
-  double temperature = 0;  ///< [K]
-  double conductance = 0;  ///< h A [W/K]
-  GasFractions fractions{};
+  double conductance = 0;  ///< h A of what lies in the grid, without outflow [W/K]
+  double film = 0;         ///< h [W/m2/K]
+  double slip = 0;         ///< superficial [m/s]
 };
 
 /// Rows of a column that hold one of these, which is all doubles.

@@ -1,6 +1,8 @@
 // The part as the engine sees it: columns, nodes, comings and goings, numbers of the series, bytes of a checkpoint.
 #include "scheduler/parts/heat.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 
@@ -71,8 +73,11 @@ class Heat final : public Part, public GrainHeat {
 
   std::string name() const override { return "heat"; }
   const Column<double>& temperature() const override { return s_.temperature; }
-  const Column<double>& from_gas() const override { return s_.from_gas; }
-  std::int64_t every() const override { return s_.scene.every; }
+  double flow(Row i) const override { return s_.flow[static_cast<std::size_t>(i)]; }
+  double conductance(Row i) const override { return s_.conductance[static_cast<std::size_t>(i)]; }
+  double before(Row i) const override { return s_.next_temperature[static_cast<std::size_t>(i)]; }
+  GasNear given_gas(const PartView& w, Row i) const override { return talus::given_gas(s_, w, i); }
+  void set_surface(Row i, double T) override { s_.temperature[static_cast<std::size_t>(i)] = T; }
 
   void add_columns(Columns& columns) override {
     const auto info = [](const char* name, const char* unit, const char* why, bool saved, std::uint64_t seed) {
@@ -91,7 +96,6 @@ class Heat final : public Part, public GrainHeat {
     columns.add(info("enthalpy", "J", "heat", true, k_seed + 1), s_.enthalpy, &s_.next_enthalpy);
     columns.add(info("heat flow", "W", "heat", false, 0), s_.flow);
     columns.add(info("heat conductance", "W/K", "heat", false, 0), s_.conductance);
-    columns.add(info("heat of gas", "J", "heat", false, 0), s_.from_gas);
     ColumnInfo loss = info("heat of friction", "J", "heat.friction", true, k_seed + 2);
     loss.in = s_.scene.friction;
     columns.add(loss, s_.loss);
@@ -128,8 +132,14 @@ class Heat final : public Part, public GrainHeat {
       const Row i = first + static_cast<Row>(k);
       const auto at = static_cast<std::size_t>(i), source = static_cast<std::size_t>(a.source[k]);
       const SourceHeat& h = s_.scene.sources[source];
-      const HeatMatter& m = s_.matter[rules_.has.materials ? rows.material[i] : 0];
-      const double E = mass_of(rules_, rows, i) * m.capacity.integral(h.temperature);
+      const std::size_t m = rules_.has.materials ? rows.material[i] : 0;
+      if (s_.shells[m] != 0 && h.held)
+        throw Error(
+            ErrorCode::scene,
+            fmt::format("source {} holds the temperature of grains that convert, which follow their shells", source),
+            rules_.scene.file, "hold_temperature = false");
+      // the heat of grains with shells is conversion's
+      const double E = s_.shells[m] != 0 ? 0 : mass_of(rules_, rows, i) * s_.matter[m].capacity.integral(h.temperature);
       s_.temperature[at] = s_.next_temperature[at] = h.temperature;
       s_.enthalpy[at] = s_.next_enthalpy[at] = E;
       if (s_.any_held) s_.held[at] = static_cast<std::int16_t>(h.held ? source + 1 : 0);
@@ -196,22 +206,17 @@ void Heat::load(std::span<const std::uint8_t> bytes, const std::string& where) {
 
 std::vector<PartValue> Heat::values(const PartView& w) const {
   const HeatTotals& t = s_.totals;
-  const auto* inside = part_as<GrainInside>(w.parts);
   double low = k_never, high = 0;
   for (Row i = 0; i < w.rows.n; ++i)
     if (w.rows.is_alive(i)) {
       low = fmin2(low, s_.temperature[static_cast<std::size_t>(i)]);
       high = fmax2(high, s_.temperature[static_cast<std::size_t>(i)]);
     }
-  // grains whose inside another part computes keep the enthalpy that they came with, and what reached them is beside
   const double all = sum_rows(w.rows, [&](std::size_t i) { return s_.enthalpy[i]; });
-  const double elsewhere = inside == nullptr ? 0 : sum_rows(w.rows, [&](std::size_t i) {
-    return inside->owns(s_.material(w, static_cast<Row>(i))) ? s_.enthalpy[i] : 0.0;
-  });
   const double sum = sum_rows(w.rows, [&](std::size_t i) { return s_.temperature[i]; });
   const double in = t.sources - t.removed + t.walls + t.gas + t.radiation + t.friction + t.held + t.inside;
   const bool any = w.rows.alive > 0;
-  std::vector<PartValue> out{{"heat.total", "J", all - elsewhere},
+  std::vector<PartValue> out{{"heat.total", "J", all},
                              {"heat.in_by_sources", "J", t.sources - t.removed},
                              {"heat.in_by_walls", "J", t.walls},
                              {"heat.in_by_gas", "J", t.gas},
@@ -222,7 +227,7 @@ std::vector<PartValue> Heat::values(const PartView& w) const {
                              {"heat.lowest", "K", any ? low : 0.0},
                              {"heat.mean", "K", any ? sum / static_cast<double>(w.rows.alive) : 0.0},
                              {"heat.highest", "K", high}};
-  if (inside != nullptr) out.push_back({"heat.into_shells", "J", -t.inside});
+  if (part_as<GrainInside>(w.parts) != nullptr) out.push_back({"heat.into_shells", "J", -t.inside});
   for (std::size_t k = 0; k < s_.scene.walls.size(); ++k)
     out.push_back({"heat.flow." + s_.scene.walls[k].wall, "W", s_.wall_flow[k]});
   for (std::size_t k = 0; k < s_.scene.sources.size(); ++k)
@@ -263,6 +268,8 @@ HeatState::HeatState(const Rules& rules) : scene(rules.scene.heat) {
     q.least_capacity = q.capacity.least_on(cold, k_hot);
     matter.push_back(q);
   }
+  for (std::size_t k = 0; k < matter.size(); ++k)
+    shells.push_back(talus::has_shells(rules.scene.conversion, k) ? 1 : 0);
   const int n = static_cast<int>(matter.size());
   for (int a = 0; a < n; ++a)
     for (int b = 0; b < n; ++b) pairs.push_back(pair_of(rules, a, b));

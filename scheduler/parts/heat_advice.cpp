@@ -36,6 +36,7 @@ std::vector<std::string> heat_advice(const HeatState& s, const PartView& w) {
   for (Row i = 0; i < w.rows.n; ++i) {
     if (!w.rows.is_alive(i)) continue;
     const auto at = static_cast<std::size_t>(i), m = static_cast<std::size_t>(s.material(w, i));
+    if (s.shells[m] != 0) continue;  // conversion's
     const double r = w.rows.p[4L * i + 3];
     radius[m] = std::max(radius[m], r);
     contacts[m] = std::max(contacts[m], s.conductance[at] / (4 * det::k_pi * r * r));

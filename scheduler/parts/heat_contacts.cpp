@@ -27,14 +27,14 @@ void heat_contacts(HeatState& s, const PartView& w, const Chunk& c) {
   std::fill(flow + c.lo, flow + c.hi, 0.0);
   std::fill(conductance + c.lo, conductance + c.hi, 0.0);
   const Box box = w.rules.scene.domain.box();
+  const auto* inside = part_as<GrainInside>(w.parts);
   for (std::int64_t q = 0; q < c.contacts.end[2]; ++q) {
     const Row i = t.ci[static_cast<std::size_t>(q)], j = t.cj[static_cast<std::size_t>(q)];
     const double *a = p + 4L * i, *b = p + 4L * j;
     const double d = norm(box.nearest({a[0] - b[0], a[1] - b[1], a[2] - b[2]}));
     const int m = s.material(w, i), k = s.material(w, j);
     const double radius = s.pair(m, k).of(heat::reduced(a[3], b[3]), (a[3] + b[3]) - d);
-    const double g = heat::contact_conductance(s.matter[static_cast<std::size_t>(m)].conductivity.at(T[i]),
-                                               s.matter[static_cast<std::size_t>(k)].conductivity.at(T[j]), radius);
+    const double g = heat::contact_conductance(s.conductivity(w, inside, i), s.conductivity(w, inside, j), radius);
     const double f = g * (T[j] - T[i]);
     flow[i] = flow[i] + f;
     conductance[i] = conductance[i] + g;

@@ -46,7 +46,7 @@ struct BlockSums {
 class HeatStep {
  public:
   HeatStep(HeatState& s, const PartView& w)
-      : s_(s), w_(w), dt_(s.dt(w)), gas_(part_as<GasAround>(w.parts)), inside_(part_as<GrainInside>(w.parts)) {
+      : s_(s), w_(w), dt_(s.dt(w)), gas_(part_as<GasCells>(w.parts)), inside_(part_as<GrainInside>(w.parts)) {
     blocks_ = (w.rows.n + k_rows - 1) / k_rows;
     sums_.resize(static_cast<std::size_t>(blocks_));
   }
@@ -57,8 +57,6 @@ class HeatStep {
     w_.blocks(blocks_, [&](int b) { exchange(b); });
     refuse_overshoot();
     w_.blocks(blocks_, [&](int b) { advance(b); });
-    if (inside_ != nullptr)
-      inside_->advance(w_, {s_.flow.data(), s_.conductance.data(), dt_}, s_.next_temperature.data());
     add_up();
   }
 
@@ -71,11 +69,14 @@ class HeatStep {
   const HeatMatter& matter(Row i) const { return s_.matter[static_cast<std::size_t>(s_.material(w_, i))]; }
   double radius(Row i) const { return w_.rows.p[4L * i + 3]; }
   double surface(Row i) const { return 4 * det::k_pi * (radius(i) * radius(i)); }
-  /// Another part computes its inside.
-  bool inside(Row i) const { return inside_ != nullptr && inside_->owns(s_.material(w_, i)); }
-  double least_capacity(Row i) const {
-    if (inside(i)) return inside_->surface_capacity(i);
-    return mass_of(w_.rules, w_.rows, i) * matter(i).least_capacity;
+  bool has_shells(Row i) const { return inside_ != nullptr && s_.has_shells(w_, i); }
+  /// dt times the conductance over the capacity that follows it at once: of a grain with shells its outermost one,
+  /// behind half of that shell.
+  double excess(Row i) const {
+    const double g = s_.conductance[static_cast<std::size_t>(i)];
+    if (!has_shells(i)) return dt_ * g / (mass_of(w_.rules, w_.rows, i) * matter(i).least_capacity);
+    const GrainSurface shell = inside_->surface(i);
+    return g > 0 ? dt_ * (g * shell.inner / (g + shell.inner)) / shell.capacity : 0;
   }
 
   /// Something acts without touching.
@@ -85,8 +86,7 @@ class HeatStep {
   double fixed_contact(Row i, Row j, double overlap) const {
     if (!(overlap > 0) || !fixed(i) || !fixed(j)) return 0;
     const double a = s_.pair(s_.material(w_, i), s_.material(w_, j)).of(heat::reduced(radius(i), radius(j)), overlap);
-    return heat::contact_conductance(matter(i).conductivity.at(s_.temperature[static_cast<std::size_t>(i)]),
-                                     matter(j).conductivity.at(s_.temperature[static_cast<std::size_t>(j)]), a);
+    return heat::contact_conductance(s_.conductivity(w_, inside_, i), s_.conductivity(w_, inside_, j), a);
   }
 
   // --- near grains ---------------------------------------------------------------------------------------------------
@@ -173,7 +173,7 @@ class HeatStep {
   /// Of row i, number q of its block. Returns the share of its surface that sees no other grain.
   double exchange_near(BlockSums& sum, const NearRows& near, std::size_t q, Row i) {
     const auto at = static_cast<std::size_t>(i);
-    const double T = s_.temperature[at], e = matter(i).emissivity;
+    const double T = s_.temperature[at], e = s_.emissivity(w_, inside_, i);
     double seen = 0;
     for (std::int32_t k = near.first[q]; k < near.first[q + 1]; ++k) {
       const Near& n = near.all[static_cast<std::size_t>(k)];
@@ -182,7 +182,7 @@ class HeatStep {
       if (n.area > 0) {
         const double area = n.area * fmin2(shade_[at], shade_[j]);
         seen = seen + area;
-        g = g + heat::k_stefan * (area * heat::grey_factor(e, matter(n.j).emissivity)) *
+        g = g + heat::k_stefan * (area * heat::grey_factor(e, s_.emissivity(w_, inside_, n.j))) *
                     heat::radiant_slope(T, s_.temperature[j]);
       }
       add(at, g, s_.temperature[j]);
@@ -210,16 +210,17 @@ class HeatStep {
     return f;
   }
 
-  heat::GasAt gas_of(Row i) const {
-    if (gas_ != nullptr) return gas_->gas_at(w_, i);
-    const GasHeat& g = s_.scene.gas;
-    return {g.temperature(s_.middle(w_)),
-            g.velocity,
-            g.density,
-            g.viscosity,
-            g.conductivity,
-            g.viscosity * g.capacity / g.conductivity,
-            g.porosity};
+  /// Of gas, cells or given. Returns the flow [W].
+  double add_gas(Row i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (gas_ != nullptr) {
+      s_.flow[at] = s_.flow[at] + gas_->heat(i);
+      s_.conductance[at] = s_.conductance[at] + gas_->conductance(i);
+      return gas_->heat(i);
+    }
+    const double film = given_gas(s_, w_, i).film * surface(i);
+    return add(at, has_shells(i) ? thinned(film, inside_->surface(i).carried) : film,
+               s_.scene.gas.temperature(s_.middle(w_)));
   }
 
   void exchange(int b) {
@@ -232,25 +233,15 @@ class HeatStep {
       const auto at = static_cast<std::size_t>(i);
       double open = 1;
       if (!near_.empty()) open = exchange_near(sum, near_[static_cast<std::size_t>(b)], q++, i);
-      const bool own_film = inside(i) && inside_->owns_film();
-      if (gas && !own_film) {
-        const heat::GasAt g = gas_of(i);
-        const double* v = w_.rows.v.data() + static_cast<long>(w_.rows.stride) * i;
-        const double film = s_.scene.gas.film >= 0
-                                ? s_.scene.gas.film
-                                : heat::film_coefficient(s_.scene.gas.law, g, {v[0], v[1], v[2]}, 2 * radius(i));
-        const double f = add(at, film * surface(i), g.temperature);
-        s_.from_gas[at] = dt_ * f;
-        sum.gas = sum.gas + f;
-      }
-      if (enclosure > 0 && !own_film)
+      if (gas) sum.gas = sum.gas + add_gas(i);
+      if (enclosure > 0)
         sum.radiation = sum.radiation + add(at,
-                                            heat::k_stefan * (open * surface(i) * matter(i).emissivity) *
+                                            heat::k_stefan * (open * surface(i) * s_.emissivity(w_, inside_, i)) *
                                                 heat::radiant_slope(s_.temperature[at], enclosure),
                                             enclosure);
       if (s_.any_held && s_.held[at] > 0) return;
-      const double excess = dt_ * s_.conductance[at] / least_capacity(i);
-      if (!(excess <= sum.excess)) sum.excess = excess, sum.worst = i;
+      const double beyond = excess(i);
+      if (!(beyond <= sum.excess)) sum.excess = beyond, sum.worst = i;
     });
   }
 
@@ -299,8 +290,9 @@ class HeatStep {
         double& source = sum.source[static_cast<std::size_t>(s_.held[at]) - 1];
         source = source - s_.flow[at];
         sum.held = sum.held - heat;
-      } else if (inside(i)) {
+      } else if (has_shells(i)) {
         sum.inside = sum.inside - heat;
+        if (s_.scene.friction) s_.flow[at] = heat / dt_;
       } else {
         s_.next_enthalpy[at] = s_.enthalpy[at] + heat;
         s_.next_temperature[at] = temperature_of(
@@ -335,8 +327,8 @@ class HeatStep {
   HeatState& s_;
   const PartView& w_;
   const double dt_;
-  const GasAround* gas_;
-  GrainInside* inside_;
+  const GasCells* gas_;
+  const GrainInside* inside_;
   int blocks_ = 0;
   std::vector<BlockSums> sums_;
   std::vector<NearRows> near_;
@@ -351,6 +343,29 @@ double HeatState::middle(const PartView& w) const {
 }
 
 int HeatState::material(const PartView& w, Row i) const { return w.rules.has.materials ? w.rows.material[i] : 0; }
+
+GasNear given_gas(const HeatState& s, const PartView& w, Row i) {
+  const GasHeat& g = s.scene.gas;
+  if (!g.on) return {};
+  const double* u = w.rows.v.data() + static_cast<long>(w.rows.stride) * i;
+  const Vec3 v{u[0], u[1], u[2]};
+  GasNear gas{g.temperature(s.middle(w)), g.film, norm(g.velocity - v), 0, {}};
+  if (g.film >= 0) return gas;
+  const heat::GasAt at{gas.temperature, g.velocity,     g.density,
+                       g.viscosity,     g.conductivity, g.viscosity * g.capacity / g.conductivity,
+                       g.porosity};
+  gas.film = heat::film_coefficient(g.law, at, v, 2 * w.rows.p[4L * i + 3]);
+  return gas;
+}
+
+double HeatState::conductivity(const PartView& w, const GrainInside* inside, Row i) const {
+  if (inside != nullptr && has_shells(w, i)) return inside->surface(i).conductivity;
+  return matter[static_cast<std::size_t>(material(w, i))].conductivity.at(temperature[static_cast<std::size_t>(i)]);
+}
+double HeatState::emissivity(const PartView& w, const GrainInside* inside, Row i) const {
+  if (inside != nullptr && has_shells(w, i)) return inside->surface(i).emissivity;
+  return matter[static_cast<std::size_t>(material(w, i))].emissivity;
+}
 
 void heat_step(HeatState& s, const PartView& w) {
   s.clock = &w.clock;

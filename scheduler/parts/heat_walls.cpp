@@ -29,7 +29,7 @@ double conductance_of(const HeatState& s, const PartView& w, const WallHeat& wal
   const double r = w.rows.p[4L * t.row + 3], T = s.temperature[static_cast<std::size_t>(t.row)];
   const int m = s.material(w, t.row), k = w.walls.material(t.contact.wall);
   const double a = s.pair(m, k).of(r, r - t.contact.distance);
-  const double g = heat::contact_conductance(s.matter[static_cast<std::size_t>(m)].conductivity.at(T),
+  const double g = heat::contact_conductance(s.conductivity(w, part_as<GrainInside>(w.parts), t.row),
                                              s.matter[static_cast<std::size_t>(k)].conductivity.at(T), a);
   if (wall.layer.empty() || !(g > 0)) return g;
   return 1 / (1 / g + wall.layer[0] / (wall.layer[1] * (det::k_pi * (r * r))));

@@ -12,7 +12,8 @@ std::unique_ptr<Part> make_gas(const Rules& rules);
 
 Parts make_parts(const Rules& rules) {
   Parts parts;
-  for (const auto make : {make_tracer, make_heat, make_conversion, make_gas})
+  // gas before heat before conversion: doors.hpp
+  for (const auto make : {make_tracer, make_gas, make_heat, make_conversion})
     if (auto part = make(rules)) parts.all.push_back(std::move(part));
   return parts;
 }

@@ -46,6 +46,7 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
     }
     s.planes_hash = simulation.planes_hash();
   }
+  for (const PartValue& v : simulation.part_values()) s.parts.emplace_back(v.name, v.value);
   s.bytes_per_particle = plan.bytes_per_particle;
   s.peak_rss_bytes = peak_rss_bytes();
   for (const ListRecord& r : simulation.list_series())

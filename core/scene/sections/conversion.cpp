@@ -1,4 +1,6 @@
 // [conversion], and the grain of a [[material]]: keys of the part in scheduler/parts/conversion.hpp.
+#include <fmt/format.h>
+
 #include "core/scene/sections/parts.hpp"
 
 namespace talus {
@@ -16,8 +18,7 @@ const Keys<ConversionScene> k_conversion(
     {
         key("every", &ConversionScene::every, "steps", {1, k_count},
             "contact steps per step of conversion, which is linearly implicit; radius and mass go in a straight line "
-            "to "
-            "what came out of the last one",
+            "to what came out of the last one; beside [heat] it must be heat.every",
             "100")
             .with(k_wood),
         key("shells", &ConversionScene::shells, "-", {1, 32}, "shells of a grain", "20").with(k_wood),
@@ -34,11 +35,33 @@ const Keys<MaterialGrain> k_material(
     {"material", true, ""}, fixed_by(k_exchanged),
     {key("grain", &MaterialGrain::grain,
          "grain file (`talus help grain`), relative to the scene, with matter, first temperature and surroundings of "
-         "the "
-         "material's grains; its density must be that of the material; needs [conversion]",
+         "the material's grains; its density must be that of the material; needs [conversion]. Beside [heat] the first "
+         "temperature is that of the source, and heat reaches grains as its sections say: of the file's surroundings "
+         "oxygen, carbon_dioxide, steam and pressure count; beside [gas] the cells say what the gas is. Gases of "
+         "reactions then become mixtures of O2, CO2, CO, H2O, H2, CH4, tar with the same elements",
          "\"wood.toml\"")
          .absent("(does not convert)")
          .with("[conversion]\nevery = 100\n")});
+
+/// Beside heat: the same steps; what its shells know no material says again.
+void check_beside_heat(const SceneTable& root, const Scene& scene) {
+  const ConversionScene& c = scene.conversion;
+  const auto has_shells = [&](std::size_t k) { return k < c.grain.size() && !c.grain[k].empty(); };
+  if (c.every != scene.heat.every)
+    root.section("conversion")
+        .fail("every",
+              fmt::format("must be heat.every ({}): grains exchange at the end of the same steps", scene.heat.every));
+  const std::vector<SceneTable> materials = root.sections("material"), sources = root.sections("source");
+  for (std::size_t k = 0; k < materials.size(); ++k) {
+    if (!has_shells(k) || !materials[k].has("heat")) continue;
+    const SceneTable h = materials[k].section("heat");
+    for (const char* name : {"capacity", "conductivity", "emissivity"})
+      if (h.has(name)) h.fail(name, "has no effect: the grain file of the material says it");
+  }
+  for (std::size_t k = 0; k < sources.size(); ++k)
+    if (scene.heat.sources[k].held && has_shells(static_cast<std::size_t>(scene.sources[k].material)))
+      sources[k].fail("hold_temperature", "grains that convert follow their shells");
+}
 
 void read(const SceneTable& root, Scene& scene) {
   ConversionScene& c = scene.conversion;
@@ -54,12 +77,10 @@ void read(const SceneTable& root, Scene& scene) {
     any = any || !g.grain.empty();
     c.grain.push_back(g.grain);
   }
-  // the two parts would each keep a temperature of their own of the same grain
-  if (c.on && scene.heat.on)
-    root.fail("conversion", "cannot be had beside [heat]: grains that convert exchange no heat yet");
   // what leaves and what overlaps gain or lose with the radius is not in the balance yet
   if (c.on && c.resize && scene.output.energies)
     root.section("output").fail("energies", "does not count changing sizes; allowed beside conversion.resize = false");
+  if (c.on && scene.heat.on) check_beside_heat(root, scene);
   if (c.on && !any) root.fail("conversion", "needs a material with a grain file (material.grain)");
 }
 

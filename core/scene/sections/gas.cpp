@@ -40,7 +40,12 @@ const Keys<GasSettings> k_gas(
             "0.9). Where the porosity is uneven the forces on all grains may differ by some per cent from pressure "
             "drop times area: the law is taken at the cell of a grain, the flow at the faces of cells",
             "\"di_felice\""),
-        key("nusselt", &GasSettings::nusselt, "heat transfer to grains that have a temperature", "\"whitaker\""),
+        key("nusselt", &GasSettings::nusselt,
+            "heat transfer to grains, which have temperatures beside [heat]; every must be heat.every then. Mass goes "
+            "with it. The series gains gas.enthalpy [J], gas.heat_from_grains [J], beside [conversion] "
+            "gas.mass_from_grains [kg], gas.enthalpy_from_grains [J]",
+            "\"whitaker\"")
+            .with("[heat]\ntemperature = 300\ncapacity = 800\nconductivity = 1\nevery = 100\n"),
         key("pressure", &GasSettings::pressure, "Pa", k_pressure, "at the start, and of open sides", "101325"),
         key("temperature", &GasSettings::temperature, "K", k_temperature, "at the start, and of what comes in", "300"),
         other_key<GasSettings>("fractions", KeyType::numbers, "-", {0, 1},
@@ -111,15 +116,32 @@ double smallest_edge(const GasSettings& g) {
   return h;
 }
 
+/// Beside heat and conversion: the same steps; one gas alone; around grains that take and give gas there is some.
+void check_beside(const SceneTable& root, const SceneTable& r, const Scene& scene) {
+  const GasSettings& gas = scene.gas;
+  if (scene.conversion.on && !scene.heat.on)
+    root.fail("gas", "needs [heat] beside [conversion]: grains and gas exchange heat through their surfaces");
+  if (!scene.heat.on) {
+    if (r.has("nusselt")) r.fail("nusselt", "has no effect without [heat]: grains have no temperature");
+    return;
+  }
+  if (scene.heat.gas.on) root.section("heat").fail("gas", "cannot be had beside [gas], which says what the gas is");
+  if (gas.every != scene.heat.every)
+    r.fail("every", fmt::format("must be heat.every ({}): grains and gas exchange at the end of the same steps",
+                                scene.heat.every));
+  if (!scene.conversion.on) return;
+  for (int k = 0; k < 3; ++k)
+    if (gas.lower[k] != scene.domain.lower[k] || gas.upper[k] != scene.domain.upper[k])
+      r.fail(r.has("lower") ? "lower" : "upper",
+             "the grid must fill the domain beside [conversion]: grains outside "
+             "would have no gas to burn in");
+}
+
 void read(const SceneTable& root, Scene& scene) {
   if (!root.has("gas")) return;
   const SceneTable r = root.section("gas");
   GasSettings& gas = scene.gas;
   gas.on = true;
-  // their grains would give the gas heat that they keep
-  if (scene.heat.on) root.fail("gas", "cannot be had beside [heat]: the gas exchanges no heat with grains yet");
-  if (scene.conversion.on)
-    root.fail("gas", "cannot be had beside [conversion]: the gas exchanges nothing with grains yet");
   gas.lower = scene.domain.lower;
   gas.upper = scene.domain.upper;
   k_gas.read(r, gas);
@@ -138,6 +160,7 @@ void read(const SceneTable& root, Scene& scene) {
     r.fail("cells", fmt::format("must be larger: an edge of {:.4g} m is below a third of the largest radius, {:.4g} m",
                                 smallest_edge(gas), radius));
   for (const SceneTable& i : r.sections("inlet")) read_inlet(i, gas);
+  check_beside(root, r, scene);
 }
 
 }  // namespace

@@ -177,6 +177,10 @@ void read_matter(const SceneTable& heat, const std::vector<SceneTable>& material
   for (std::size_t k = 0; k < materials.size(); ++k) {
     MatterHeat& m = h.matter[k];
     if (materials[k].has("heat")) k_material.read(materials[k].section("heat"), m);
+    if (materials[k].has("grain")) {  // its grain file says it; this is what nobody reads
+      if (!m.capacity.given()) m.capacity = Curve::constant(1);
+      if (!m.conductivity.given()) m.conductivity = Curve::constant(1);
+    }
     if (!m.capacity.given()) heat.missing("capacity", "since a material has none of its own");
     if (!m.conductivity.given()) heat.missing("conductivity", "since a material has none of its own");
   }

@@ -1,0 +1,226 @@
+// A step of the grains: what is around them, the solver, what came out. See conversion_part.hpp.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/base/error.hpp"
+#include "scheduler/parts/conversion_part.hpp"
+#include "scheduler/parts/gas_coupling.hpp"
+#include "scheduler/state/step_failure.hpp"
+
+namespace talus {
+using namespace conversion;
+
+namespace {
+constexpr Row k_rows = 1024;           // per block
+constexpr double k_uptake_more = 1.1;  // film and size change within a step
+}  // namespace
+
+/// Rows of one kind and what is around them, [column][row].
+struct Conversion::Batch {
+  const std::vector<Row>& rows;
+  std::size_t stride;
+  std::vector<double> in;
+  explicit Batch(const std::vector<Row>& r) : rows(r), stride((r.size() + 7) / 8 * 8), in(k_bed_in * stride) {}
+  double& at(BedIn column, std::size_t k) { return in[static_cast<std::size_t>(column) * stride + k]; }
+  void set(BedIn column, double x) { std::fill_n(&at(column, 0), stride, x); }
+};
+
+void Conversion::advance(const PartView& w, Row lo, Row hi) {
+  const auto count = static_cast<std::size_t>(hi - lo);
+  std::copy_n(row(now_, lo), count * static_cast<std::size_t>(width_), row(next_, lo));
+  std::fill_n(book(lo), count * static_cast<std::size_t>(books_width_), 0.0);
+  for (std::size_t q = 0; q < k_columns; ++q) std::copy_n(shown_[q].data() + lo, count, shown_next_[q].data() + lo);
+  if (heated_)
+    std::copy_n(surface_.data() + static_cast<std::ptrdiff_t>(k_width<GrainSurface>) * lo,
+                count * static_cast<std::size_t>(k_width<GrainSurface>),
+                surface_next_.data() + static_cast<std::ptrdiff_t>(k_width<GrainSurface>) * lo);
+  // beside heat it runs at the end of the step, when the new positions are the present ones
+  const Column<double>& x = heated_ ? w.rows.p : w.rows.p2;
+  std::vector<Row> rows;
+  for (const Kind& kind : kinds_) {
+    if (!kind.job) continue;
+    rows.clear();
+    for (Row i = lo; i < hi; ++i)
+      if (x[4L * i] < k_far && kind_of(w.rows, i) == &kind) rows.push_back(i);
+    if (!rows.empty()) advance(w, kind, rows);
+  }
+}
+
+void Conversion::advance(const PartView& w, const Kind& kind, const std::vector<Row>& rows) {
+  const BedMatter& m = kind.tables->matter();
+  Batch in(rows);
+  std::vector<double> out(static_cast<std::size_t>(k_out_released + m.gases) * in.stride);
+  std::vector<double> scratch(static_cast<std::size_t>(bed_scratch(m)) + 8);
+  std::vector<double*> to;
+  for (const Row i : rows) to.push_back(row(next_, i));
+  surroundings(w, kind, in);
+  GrainBatch b;
+  b.grains = static_cast<long>(rows.size());
+  b.row = to.data();
+  b.in = in.in.data();
+  b.out = out.data();
+  b.stride = static_cast<long>(in.stride);
+  b.dt = w.rules.scene.dt * static_cast<double>(s_.every);
+  b.pressure = kind.job->around.pressure;
+  b.scratch = reinterpret_cast<double*>((reinterpret_cast<std::uintptr_t>(scratch.data()) + 63) / 64 * 64);
+  solver_(m, b);
+  for (std::size_t k = 0; k < rows.size(); ++k) take(kind, rows[k], out.data() + k, in.stride);
+}
+
+/// Those of the grain file at the middle of the step; beside heat, what heat and gas say.
+void Conversion::surroundings(const PartView& w, const Kind& kind, Batch& b) const {
+  const double dt = w.rules.scene.dt;
+  const double t = (static_cast<double>(w.clock.step + 1) - 0.5 * static_cast<double>(s_.every)) * dt;
+  const SurroundingsOverTime& a = kind.job->around;
+  const double gas = a.temperature.at(t), contact = a.contact_conductance.at(t);
+  b.set(k_in_gas, gas);
+  b.set(k_in_velocity, a.velocity.at(t));
+  b.set(k_in_wall, a.wall_temperature ? a.wall_temperature->at(t) : gas);
+  b.set(k_in_sees, a.wall_temperature ? 1 : 0);
+  b.set(k_in_flux, a.flux.at(t));
+  b.set(k_in_contact, contact);
+  b.set(k_in_contact_heat, contact * (a.contact_temperature ? a.contact_temperature->at(t) : gas));
+  b.set(k_in_film, a.film ? a.film->at(t) : -1);
+  b.set(k_in_oxygen, a.oxygen.at(t));
+  b.set(k_in_carbon_dioxide, a.carbon_dioxide.at(t));
+  b.set(k_in_steam, a.steam.at(t));
+  if (!heated_) return;
+  b.set(k_in_apart, 1);
+  for (std::size_t k = 0; k < b.rows.size(); ++k) exchanged(w, kind, b.rows[k], k, b);
+}
+
+void Conversion::exchanged(const PartView& w, const Kind& kind, Row i, std::size_t k, Batch& b) const {
+  const auto* heat = part_as<GrainHeat>(w.parts);
+  const double flow = heat->flow(i), conductance = heat->conductance(i);
+  b.at(k_in_flow, k) = flow;
+  b.at(k_in_partner, k) = conductance;
+  b.at(k_in_partner_heat, k) = flow + conductance * heat->before(i);
+  const auto* cells = part_as<GasCells>(w.parts);
+  const GasNear gas = cells != nullptr ? cells->near(i) : heat->given_gas(w, i);
+  b.at(k_in_film, k) = gas.film;
+  if (gas.film > 0) b.at(k_in_gas, k) = gas.temperature;
+  b.at(k_in_velocity, k) = gas.slip;
+  if (cells == nullptr) return;
+  b.at(k_in_oxygen, k) = gas.kept[0];
+  b.at(k_in_carbon_dioxide, k) = gas.kept[1];
+  b.at(k_in_steam, k) = kind.burns[2] ? gas.kept[2] : gas.steam;
+}
+
+/// What the solver says of a row: numbers for files, ledger, the sizes to come.
+void Conversion::take(const Kind& kind, Row i, const double* out, std::size_t stride) {
+  const auto of = [&](int column) { return out[static_cast<std::size_t>(column) * stride]; };
+  for (std::size_t q = 0; q < k_columns; ++q) shown_next_[q][static_cast<std::size_t>(i)] = of(k_shown[q].column);
+  double* books = book(i);
+  for (std::size_t q = 0; q < k_fixed_books; ++q) books[q] = of(k_books[q]);
+  for (std::size_t g = 0; g < kind.gases.size(); ++g)
+    books[k_fixed_books + kind.gases[g]] = of(k_out_released + static_cast<int>(g));
+  books[books_width_ - 1] = of(k_out_excess);
+  double* own = row(next_, i) + kind.size;
+  own[k_radius_from] = own[k_radius_to];
+  own[k_radius_to] = of(k_out_radius);
+  own[k_mass_from] = own[k_mass_to];
+  own[k_mass_to] = of(k_out_mass);
+  if (!heated_) return;
+  const BedMatter& m = kind.tables->matter();
+  set_row(surface_next_, i,
+          GrainSurface{of(k_out_capacity), of(k_out_inner), of(k_out_conductivity), of(k_out_emissivity),
+                       m.blows != 0 ? row(next_, i)[bed_row(m).carried] : 0.0});
+  outside_[static_cast<std::size_t>(i)] = of(k_out_outside);
+}
+
+/// Heat must not take less time through a shell that still holds fuel than a step: bed_step.hpp. Grains shrink and
+/// become light, so that what held at the start may not hold any more.
+void Conversion::judge(const PartView& w) const {
+  Row worst = -1;
+  double excess = 1;
+  for (Row i = 0; i < w.rows.n; ++i) {
+    if (!w.rows.is_alive(i)) continue;
+    const double x = books_[static_cast<std::size_t>(books_width_) * static_cast<std::size_t>(i + 1) - 1];
+    if (!(x <= excess)) excess = x, worst = i;
+  }
+  if (worst < 0) return;
+  const double most = static_cast<double>(s_.every) / excess;
+  throw StepFailure({w.rows.id[worst]},
+                    fmt::format("the conversion step of {:.6g} s is longer than heat takes through a shell of grain {}",
+                                w.rules.scene.dt * static_cast<double>(s_.every), w.rows.id[worst]),
+                    most >= 1
+                        ? fmt::format("conversion.every = {} at most, or fewer shells", static_cast<std::int64_t>(most))
+                        : fmt::format("conversion.every = 1 and time.step = {:.3g} at most, or fewer shells",
+                                      most * w.rules.scene.dt));
+}
+
+void Conversion::finish(const PartView& w) {
+  judge(w);
+  totals_before_ = totals_;
+  std::vector<double> sum(totals_.size());
+  for (Row b = 0; b < w.rows.n; b += k_rows) {
+    std::fill(sum.begin(), sum.end(), 0.0);
+    for (Row i = b; i < std::min<Row>(w.rows.n, b + k_rows); ++i) {
+      if (!w.rows.is_alive(i)) continue;
+      const double* x = book(i);
+      for (std::size_t q = 0; q < sum.size(); ++q) sum[q] = sum[q] + x[q];
+    }
+    for (std::size_t q = 0; q < sum.size(); ++q) totals_[q] = totals_[q] + sum[q];
+  }
+  swap();
+  clock_ = &w.clock;
+  last_step_ = w.clock.step;
+}
+
+void Conversion::swap() {
+  std::swap(now_, next_);
+  for (std::size_t q = 0; q < k_columns; ++q) std::swap(shown_[q], shown_next_[q]);
+  if (heated_) std::swap(surface_, surface_next_);
+}
+
+// --- beside heat and gas ---------------------------------------------------------------------------------------------
+
+void Conversion::step_with_heat(const PartView& w) {
+  auto* gas = part_as<GasCells>(w.parts);
+  if (gas != nullptr) gas->offer(w, uptakes(w, *gas));
+  outside_.assign(static_cast<std::size_t>(w.rows.n), 0.0);
+  w.blocks((w.rows.n + k_rows - 1) / k_rows,
+           [&](int b) { advance(w, b * k_rows, std::min<Row>(w.rows.n, (b + 1) * k_rows)); });
+  finish(w);
+  auto* heat = part_as<GrainHeat>(w.parts);
+  for (Row i = 0; i < w.rows.n; ++i)
+    if (w.rows.is_alive(i) && kind_of(w.rows, i) != nullptr)
+      heat->set_surface(i, outside_[static_cast<std::size_t>(i)]);
+  if (gas != nullptr) give(w, *gas);
+}
+
+/// What char could take through the film if the gas were nothing but oxidant [kg/s]: an upper bound, as the solver
+/// computes film and density of gas.
+std::vector<double> Conversion::uptakes(const PartView& w, const GasCells& gas) const {
+  std::vector<double> most(static_cast<std::size_t>(w.rows.n), 0.0);
+  w.blocks((w.rows.n + k_rows - 1) / k_rows, [&](int b) {
+    for (Row i = b * k_rows; i < std::min<Row>(w.rows.n, (b + 1) * k_rows); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const Kind* kind = w.rows.is_alive(i) ? kind_of(w.rows, i) : nullptr;
+      if (kind == nullptr || kind->job->matter.char_reactions.empty()) continue;
+      if (!(shown_[6][at] > 0)) continue;  // no char yet
+      const SurroundingsOverTime& a = kind->job->around;
+      const GasNear g = gas.near(i);
+      const double r = w.rows.p[4L * i + 3], surface = shown_[1][at];
+      const Film f = film_of(a.gas, a.law, 2 * r, g.slip, g.temperature, surface, a.pressure);
+      const double density = gas_density(0.5 * (g.temperature + surface), a.pressure, a.gas.molar);
+      most[at] = k_uptake_more * kind->shares * (f.mass * g.film / f.heat) * (4 * det::k_pi * (r * r)) * density;
+    }
+  });
+  return most;
+}
+
+void Conversion::give(const PartView& w, GasCells& gas) {
+  for (Row i = 0; i < w.rows.n; ++i) {
+    const Kind* kind = w.rows.is_alive(i) ? kind_of(w.rows, i) : nullptr;
+    if (kind == nullptr) continue;
+    const double* x = book(i);
+    GasFractions released{};
+    for (std::size_t k = 0; k < released.size(); ++k) released[k] = x[k_fixed_books + kind->gases[k]];
+    gas.give(i, released, {x[4], x[5], x[6]}, shown_[1][static_cast<std::size_t>(i)]);
+  }
+  gas.settle();
+}
+
+}  // namespace talus

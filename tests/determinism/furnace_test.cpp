@@ -1,0 +1,235 @@
+// Heat, conversion and gas of the same grains: bits depend on the trajectory alone, a resume goes on to the bit, books
+// close while grains come, shrink and go; what cannot be had together is refused.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/base/error.hpp"
+#include "core/scene/scene_file.hpp"
+#include "scheduler/step/access.hpp"
+#include "tests/determinism/scenes.hpp"
+#include "tests/determinism/variants.hpp"
+
+namespace talus::determinism {
+namespace {
+
+constexpr std::int64_t k_run = 1500;  // with sort epochs
+
+/// Wood that has begun to char, so that all happens within a short run.
+constexpr const char* k_wood = R"(title = "wood, water and char"
+[time]
+step = 0.001
+duration = 1
+[grain]
+diameter = 0.002
+temperature = 300
+[material]
+density = 700
+moisture = 0.1
+ash = 0.02
+initial = { wood = 0.5, char = 0.38 }
+[heat_capacity]
+fuel = { polynomial = [1112, 4.85], origin = 273.15, range = [273, 900] }
+char = 1300
+ash = 900
+[conductivity]
+fuel = 0.15
+wet = 0.25
+char = 0.1
+ash = 0.2
+[[solid]]
+name = "wood"
+[[solid]]
+name = "char"
+kind = "char"
+[[gas]]
+name = "volatiles"
+[[reaction]]
+reactant = "wood"
+products = { char = 0.2, volatiles = 0.8 }
+A = 1e10
+E = 1.25e5
+heat = 1e5
+[shrinkage]
+drying = 0.1
+devolatilisation = 0.3
+burn_off = 0.9
+[[char_reaction]]
+oxidant = "O2"
+A = 17.15
+n = 1
+E = 74830
+[[char_reaction]]
+oxidant = "H2O"
+A = 34.2
+n = 1
+E = 129700
+[surroundings]
+gas = "air"
+temperature = 300
+)";
+
+/// A hopper whose grains come and go, in hot gas.
+Scene furnace(Scene s = hopper()) {
+  s = heated(s);
+  s.dt = 2e-5;
+  s.output.energies = false;
+  s.max_overlap = 1;
+  s.heat.gas = {};
+  for (SourceHeat& h : s.heat.sources) h.held = false;
+  for (Material& m : s.materials) m.density = 700;
+  s.conversion.on = true;
+  s.conversion.every = s.heat.every;
+  s.conversion.shells = 8;
+  s.conversion.grain.assign(s.materials.size(), temporary_file("furnace-wood.toml", k_wood));
+  s.gas.on = true;
+  s.gas.lower = s.domain.lower;
+  s.gas.upper = s.domain.upper;
+  s.gas.cells = {3, 3, 6};
+  s.gas.every = s.heat.every;
+  s.gas.temperature = 1200;
+  s.gas.combustion = true;
+  GasInlet in, out;
+  in.velocity = 0.8;
+  in.temperature = 1100;
+  out.side = GasSide::top;
+  out.kind = GasInlet::Kind::pressure;
+  s.gas.inlets = {in, out};
+  return s;
+}
+
+double value_of(const Simulation& sim, const std::string& name) {
+  for (const PartValue& v : sim.part_values())
+    if (v.name == name) return v.value;
+  ADD_FAILURE() << "no value " << name;
+  return 0;
+}
+
+struct Final {
+  std::uint64_t hash;
+  std::vector<double> values;
+  std::string bytes;
+  bool operator==(const Final&) const = default;
+};
+
+Final final_of(const Simulation& sim) {
+  Final f{sim.state_hash(), {}, checkpoint_bytes(sim)};
+  for (const PartValue& v : sim.part_values()) f.values.push_back(v.value);
+  return f;
+}
+
+TEST(FurnaceBits, DependOnTheTrajectoryAlone) {
+  const Scene s = furnace();
+  const Variant plain{ListPolicy::local, 200, 1, 0, Isa::automatic};
+  Simulation first(plain.apply(s), plain.options());
+  const double mass = value_of(first, "conversion.mass");
+  first.run(k_run);
+  const Final wanted = final_of(first);
+  EXPECT_GT(value_of(first, "conversion.oxygen_taken"), 1e-7 * mass);
+  EXPECT_GT(value_of(first, "conversion.steam_taken"), 0);
+  EXPECT_GT(value_of(first, "conversion.released_CO"), 1e-4 * mass);
+  EXPECT_GT(value_of(first, "conversion.released_H2O"), 0);
+  EXPECT_NE(value_of(first, "heat.in_by_friction"), 0);
+  for (const Variant& way :
+       {Variant{ListPolicy::paper, 10, 2, 64, Isa::sse2}, Variant{ListPolicy::always, 0, 3, 257, Isa::scalar},
+        Variant{ListPolicy::two_largest, 200, 2, 100, Isa::avx2},
+        Variant{ListPolicy::outer_inner, 100, 8, 64, Isa::automatic}}) {
+    Simulation sim(way.apply(s), way.options());
+    sim.run(k_run);
+    EXPECT_TRUE(final_of(sim) == wanted) << way.text();
+  }
+}
+
+TEST(FurnaceBits, ResumeGoesOnToTheBitWhileGrainsComeAndGo) {
+  const Scene s = furnace();
+  RunOptions o;
+  o.threads = 2;
+  Simulation whole(s, o);
+  whole.run(k_run);
+  for (const std::int64_t at : {20, 733}) {  // before the first step of the parts, and between two
+    const std::string path = temporary_file("furnace.checkpoint");
+    {
+      Simulation half(s, o);
+      half.run(at);
+      CheckpointWriter out;
+      half.save(out);
+      out.commit(path);
+    }
+    o.chunk = 64;
+    Simulation rest(s, o, CheckpointReader(path));
+    rest.run(k_run - at);
+    EXPECT_TRUE(final_of(rest) == final_of(whole)) << at;
+  }
+}
+
+TEST(FurnaceBits, BooksCloseWhileGrainsComeShrinkAndGo) {
+  Simulation sim(furnace(), RunOptions{});
+  sim.run(k_run);
+  const double mass = value_of(sim, "conversion.mass"), gas = mass + value_of(sim, "gas.mass_in");
+  EXPECT_LT(std::fabs(value_of(sim, "conversion.mass_residual")), 1e-10 * mass);
+  EXPECT_LT(std::fabs(value_of(sim, "conversion.heat_residual")), 1e-10 * value_of(sim, "conversion.heat"));
+  EXPECT_LT(std::fabs(value_of(sim, "gas.mass_residual")), 1e-10 * gas);
+  EXPECT_LT(value_of(sim, "gas.element_residual"), 1e-10 * gas);
+  EXPECT_LT(std::fabs(value_of(sim, "gas.enthalpy_residual")), 1e-10 * gas * 1e6);
+  EXPECT_NEAR(value_of(sim, "heat.into_shells"), value_of(sim, "conversion.heat_in"),
+              1e-10 * std::fabs(value_of(sim, "conversion.heat_in")));
+}
+
+TEST(FurnaceBits, NodesRunInTheOrderThatTheExchangeNeeds) {
+  const Simulation sim(furnace(), RunOptions{});
+  std::vector<std::string> order;
+  for (const auto& n : sim.plan().nodes)
+    if (n.name == "gas_step" || n.name == "heat_step" || n.name == "conversion_step") order.push_back(n.name);
+  EXPECT_EQ(order, (std::vector<std::string>{"gas_step", "heat_step", "conversion_step"}));
+  EXPECT_EQ(sim.plan().graph.find("conversion[c]"), std::string::npos) << "not before heat has come";
+}
+
+// --- what is refused -------------------------------------------------------------------------------------------------
+
+std::string text_of(const std::string& heat, const std::string& conversion, const std::string& gas,
+                    const std::string& more = "") {
+  return "domain = { lower = [0, 0, 0], upper = [0.1, 0.1, 0.1] }\ntime = { step = 1e-5, steps = 10 }\n"
+         "[contact]\nmodel = \"linear\"\nnormal_stiffness = 1000\nrestitution = 0.5\n" +
+         heat + conversion + gas +
+         "[[source]]\nkind = \"random\"\nnumber = 3\nregion = { lower = [0.02, 0.02, 0.02], upper = [0.08, 0.08, 0.08] "
+         "}\n"
+         "size = { diameter = 0.01 }\n[[material]]\nname = \"wood\"\ndensity = 700\n" +
+         more;
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    const Simulation sim(parse_scene(text, "furnace", "/"), RunOptions{});
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Furnace, RefusesWhatCannotBeHadTogether) {
+  const std::string heat = "[heat]\ntemperature = 300\n", gas = "[gas]\ncells = [2, 2, 2]\n",
+                    conversion = "[conversion]\n";
+  const std::string grain = "grain = \"" + temporary_file("refused-wood.toml", k_wood) + "\"\n";
+  const auto has = [](const std::string& text, const char* word) { return text.find(word) != std::string::npos; };
+  EXPECT_EQ(refusal(text_of(heat, conversion, gas, grain)), "");
+  EXPECT_TRUE(has(refusal(text_of("", conversion, gas, grain)), "needs [heat]"));
+  EXPECT_TRUE(has(refusal(text_of(heat + "every = 50\n", conversion, "", grain)), "heat.every"));
+  EXPECT_TRUE(has(refusal(text_of(heat + "capacity = 1\nconductivity = 1\n", "", gas + "every = 50\n")), "heat.every"));
+  EXPECT_TRUE(has(refusal(text_of(heat + "[heat.gas]\ntemperature = 500\n", conversion, gas, grain)), "[gas]"));
+  EXPECT_TRUE(has(refusal(text_of(heat, conversion, gas + "upper = [0.1, 0.1, 0.05]\n", grain)), "fill the domain"));
+  EXPECT_TRUE(has(refusal(text_of(heat, conversion, "", grain)), "[heat.gas]")) << "char without gas";
+  EXPECT_TRUE(has(refusal(text_of(heat, conversion, gas, grain + "heat = { capacity = 3 }\n")), "no effect"));
+  EXPECT_TRUE(has(refusal(text_of("", "", gas + "nusselt = \"gunn\"\n")), "no effect"));
+  std::string bad = k_wood;
+  bad += "wall_temperature = 900\n";
+  EXPECT_TRUE(has(refusal(text_of(heat, conversion, gas, "grain = \"" + temporary_file("bad.toml", bad) + "\"\n")),
+                  "wall_temperature"));
+  bad = k_wood;
+  bad.replace(bad.find("char = 0.2, volatiles = 0.8"), 27, "char = 0.7, volatiles = 0.3");
+  EXPECT_TRUE(has(refusal(text_of(heat, conversion, gas, "grain = \"" + temporary_file("carbon.toml", bad) + "\"\n")),
+                  "mixture"))
+      << "0.7 kg of carbon of 0.5";
+}
+
+}  // namespace
+}  // namespace talus::determinism
