@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs the grains of this folder, compares them with what was measured, draws picture.png and prints the table of README.md.
 
-    python3 cases/grain/experiments.py [--talus build/talus] [--cost]     # --cost: error against shells and heat step too
+    python3 cases/grain/experiments.py [--talus build/talus]     # exit code 1: an aim is missed that README.md says is met
 
 Measured points are those of the original papers named in the .toml files, as digitised by Caraccio et al., arXiv 2510.17588
 (2025), and, for Sadhukhan, a table computed with 60 shells."""
@@ -12,8 +12,11 @@ import math
 import os
 import re
 import subprocess
+import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+# README.md says why; the table of the sphere has itself an error of 0.0011 (sadhukhan_table.py)
+MISSED = ("Sadhukhan, sphere, against the computed table", "Lu: points inside the band, mass, core, surface")
 
 
 def points(times, values):
@@ -50,17 +53,20 @@ LU = {"mass": ("4.9 8.0 11.2 14.4 17.6 20.8 24.0 27.3 30.5 35.3 40.0 45.1 50.5 5
 
 
 def run(talus, name, change=()):
-    """The table of a grain file, some of whose lines are replaced, as columns; mass and radius as shares of the first row."""
+    """The table of a grain file as columns; mass and radius as shares of the first row. A change (key, value) replaces the line of
+    the key, (key, None) takes it away, (key + "!", text) puts the text below it."""
     with open(os.path.join(HERE, name + ".toml")) as f:
         text = f.read()
     for key, value in change:
-        text, n = re.subn(rf"(?m)^{key} = .*$", f"{key} = {value}", text)
+        line = rf"(?m)^{key.rstrip('!')} = .*\n"
+        new = "" if value is None else f"{key} = {value}\n"
+        text, n = re.subn(line, (lambda m: m.group(0) + value + "\n") if key.endswith("!") else (lambda m: new), text, count=1)
         assert n == 1, key
     path = os.path.join("/tmp", f"talus-{os.getpid()}-{name}.toml")
     try:
         with open(path, "w") as f:
             f.write(text)
-        out = subprocess.run([talus, "grain", path], check=True, capture_output=True, text=True).stdout
+        out = subprocess.run([talus, "grain", path], check=True, stdout=subprocess.PIPE, text=True).stdout
     finally:
         os.remove(path)
     rows = list(csv.DictReader(io.StringIO(out)))
@@ -97,40 +103,34 @@ def inside(c, name):
 
 
 def report(c):
+    """Prints figure, aim and whether it is met; returns the names of the missed."""
     rows = []
     for shape in ("sphere", "cylinder"):
         d = c["sadhukhan-" + shape]
         T, m = (max(map(abs, errors(d, k, SADHUKHAN[shape][k]))) for k in ("centre_temperature", "mass"))
-        rows.append((f"Sadhukhan, {shape}, against the computed table", f"centre {T:.2f} K, mass {m:.4f}", "1 K, 0.001"))
+        rows.append((f"Sadhukhan, {shape}, against the computed table", f"centre {T:.2f} K, mass {m:.4f}", "1 K, 0.001",
+                     T <= 1 and m <= 0.001))
     d = c["corbetta"]
     over, when = max((a - b, t) for a, b, t in zip(d["centre_temperature"], d["surface_temperature"], d["time"]))
     rows.append(("Park / Corbetta: core above the surface", f"{over:.0f} K at {when:.0f} s (measured 37 K at 340 s)",
-                 "20 to 60 K, 300 to 380 s"))
+                 "20 to 60 K, 300 to 380 s", 20 <= over <= 60 and 300 <= when <= 380))
     rows.append(("Park / Corbetta: RMSE core, half radius",
                  f"{rmse(d, 'centre_temperature', PARK['centre_temperature']):.0f} K, "
-                 f"{rmse(d, 'half_radius_temperature', PARK['half_radius_temperature']):.0f} K", "-"))
-    d = c["huang"]
-    rows.append(("Huang: RMSE mass, core, surface, radius",
-                 f"{rmse(d, 'mass', HUANG['mass']):.3f}, {rmse(d, 'centre_temperature', HUANG['centre_temperature']):.0f} K, "
-                 f"{rmse(d, 'surface_temperature', HUANG['surface_temperature']):.0f} K, {rmse(d, 'radius', HUANG['radius']):.3f}",
-                 "0.05, 40 K, -, 0.05"))
-    d = c["lu"]
-    n = [inside(d, k) for k in LU]
-    rows.append(("Lu: points inside the band, mass, core, surface", ", ".join(f"{a} of {b}" for a, b in n), "80 %"))
-    print("| experiment | this grain | wanted |\n|---|---|---|")
-    for r in rows:
-        print("| " + " | ".join(r) + " |")
+                 f"{rmse(d, 'half_radius_temperature', PARK['half_radius_temperature']):.0f} K", "-", None))
+    mass, core, surface, radius = huang(c["huang"])
+    rows.append(("Huang: RMSE mass, core, surface, radius", f"{mass:.3f}, {core:.0f} K, {surface:.0f} K, {radius:.3f}",
+                 "0.05, 40 K, -, 0.05", mass <= 0.05 and core <= 40 and radius <= 0.05))
+    n = [inside(c["lu"], k) for k in LU]
+    rows.append(("Lu: points inside the band, mass, core, surface", ", ".join(f"{a} of {b}" for a, b in n), "80 %",
+                 sum(a for a, _ in n) >= 0.8 * sum(b for _, b in n)))
+    print("| experiment | this grain | aim | met |\n|---|---|---|---|")
+    for name, figure, aim, met in rows:
+        print(f"| {name} | {figure} | {aim} | {'-' if met is None else 'yes' if met else 'no'} |")
+    return [name for name, _, _, met in rows if met is False]
 
 
-def cost(talus):
-    """Error against work: shells times steps; the reference has 160 shells and a step of 0.05 s."""
-    fine = run(talus, "sadhukhan-sphere", (("shells", 160), ("step", 0.05)))
-    print("\n| shells | step [s] | shells x steps | centre, worst [K] | mass, worst |\n|---|---|---|---|---|")
-    for shells in (10, 20, 30, 60):
-        for step in (2.5, 1, 0.25):
-            c = run(talus, "sadhukhan-sphere", (("shells", shells), ("step", step)))
-            T, m = (max(abs(at(c, k, t) - at(fine, k, t)) for t in range(10, 601, 10)) for k in ("centre_temperature", "mass"))
-            print(f"| {shells} | {step} | {int(shells * 600 / step)} | {T:.2f} | {m:.5f} |")
+def huang(c):
+    return [rmse(c, k, HUANG[k]) for k in ("mass", "centre_temperature", "surface_temperature", "radius")]
 
 
 def draw(c, path):
@@ -174,15 +174,13 @@ def draw(c, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--talus", default=os.path.join(HERE, "..", "..", "build", "talus"))
-    parser.add_argument("--cost", action="store_true")
     parser.add_argument("--picture", default=os.path.join(HERE, "picture.png"))
     a = parser.parse_args()
     c = {n: run(a.talus, n) for n in ("sadhukhan-sphere", "sadhukhan-cylinder", "corbetta", "huang", "lu")}
-    report(c)
-    if a.cost:
-        cost(a.talus)
+    missed = report(c)
     draw(c, a.picture)
+    return int(bool([m for m in missed if m not in MISSED]))
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

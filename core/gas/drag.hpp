@@ -1,6 +1,6 @@
 // Drag of a gas on the grains of a bed, without the force of the pressure gradient, which is a term of its own. Who
-// calls it: core/gas/flow.cpp (resistance of a cell), core/gas/exchange.cpp (force on a grain). All laws are given as
-// F = drag / (3 pi mu d U), with U = porosity * |gas - grain| and Re = rho U d / mu (both superficial).
+// calls it: core/gas/flow.cpp (resistance of a cell), scheduler/parts/gas_coupling.cpp (shares of its grains). All laws
+// are given as F = drag / (3 pi mu d U), with U = porosity * |gas - grain| and Re = rho U d / mu (both superficial).
 #pragma once
 
 #include "core/scene/gas_settings.hpp"

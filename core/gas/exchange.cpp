@@ -12,6 +12,7 @@ void FromGrains::clear(int cells) {
   const auto n = static_cast<std::size_t>(cells);
   solid.assign(n, 0);
   specific.assign(n, 0);
+  drag_factor.assign(n, 1);
   moment.assign(n, Vec3{});
   conductance.assign(n, 0);
   heat.assign(n, 0);
@@ -21,7 +22,7 @@ void FromGrains::clear(int cells) {
 
 void ToGrains::resize(int cells) {
   const auto n = static_cast<std::size_t>(cells);
-  for (auto* v : {&porosity, &diameter, &pressure, &temperature, &density, &viscosity, &conductivity, &prandtl,
+  for (auto* v : {&porosity, &diameter, &drag, &pressure, &temperature, &density, &viscosity, &conductivity, &prandtl,
                   &exchange_temperature})
     v->assign(n, 0);
   for (auto* v : {&velocity, &gradient}) v->assign(n, Vec3{});

@@ -73,9 +73,9 @@ struct System {
   }
 };
 
-/// Resistances of a cell.
+/// Resistances of a cell, and the density that they were made with.
 struct Resistance {
-  double bed = 0, empty = 0;
+  double bed = 0, empty = 0, rho = 0;
 };
 
 }  // namespace
@@ -86,9 +86,11 @@ struct FlowSolver::Impl {
   Vector b, x;
   std::vector<Resistance> resistance;
   std::vector<double> slip, speed;  ///< of cells, half way between the last two iterations
+  std::vector<double> outer_rho;    ///< of outer faces that are open to a pressure
 
   explicit Impl(const Grid& g) : grid(g), system(g), b(g.cells()), x(g.cells()) {
     resistance.resize(static_cast<std::size_t>(g.cells()));
+    outer_rho.resize(g.outer.size());
   }
 
   Vec3 moved(const FlowInput& in, std::size_t c) const { return in.porosity[c] * in.solid_velocity[c]; }
@@ -118,25 +120,22 @@ struct FlowSolver::Impl {
       speed[c] = first ? whole : (1 - w) * speed[c] + w * whole;
       const double rho = flow.pressure[c] / in.gas_constant_t[c], mu = in.viscosity[c], e = in.porosity[c];
       Resistance& r = resistance[c];
-      r = {};
-      if (in.diameter[c] > 0 && e < 1) r.bed = bed_resistance(in.drag, e, in.diameter[c], mu, rho, slip[c]);
+      r = {0, 0, rho};
+      if (in.diameter[c] > 0 && e < 1)
+        r.bed = in.drag_factor[c] * bed_resistance(in.drag, e, in.diameter[c], mu, rho, slip[c]);
       if (e > in.most_porosity)
         r.empty = fmax2(0, bed_resistance(in.drag, in.most_porosity, in.mean_diameter, mu, rho, speed[c]) - r.bed);
     }
-  }
-
-  double density(const FlowInput& in, const Flow& flow, int c) const {
-    return flow.pressure[static_cast<std::size_t>(c)] / in.gas_constant_t[static_cast<std::size_t>(c)];
   }
 
   /// A face between two cells: U = (-(p_b - p_a) / h + push) / r.
   struct FaceLaw {
     double r, push, rho;
   };
-  FaceLaw law_of(const FlowInput& in, const Flow& flow, const InnerFace& f) const {
+  FaceLaw law_of(const FlowInput& in, const InnerFace& f) const {
     const auto a = static_cast<std::size_t>(f.a), b = static_cast<std::size_t>(f.b);
     const Resistance &ra = resistance[a], &rb = resistance[b];
-    const double rho = 0.5 * (density(in, flow, f.a) + density(in, flow, f.b));
+    const double rho = 0.5 * (ra.rho + rb.rho);
     const double drive = 0.5 * (ra.bed * moved(in, a)[f.axis] + rb.bed * moved(in, b)[f.axis]);
     return {0.5 * ((ra.bed + ra.empty) + (rb.bed + rb.empty)), drive + rho * in.gravity[f.axis], rho};
   }
@@ -161,7 +160,7 @@ struct FlowSolver::Impl {
     }
     for (std::size_t k = 0; k < grid.inner.size(); ++k) {
       const InnerFace& f = grid.inner[k];
-      const FaceLaw l = law_of(in, flow, f);
+      const FaceLaw l = law_of(in, f);
       const double g = l.rho * grid.area[static_cast<std::size_t>(f.axis)] / l.r;
       system.add_face(f, k, g / grid.h[f.axis]);
       b[f.a] -= g * l.push;
@@ -180,11 +179,11 @@ struct FlowSolver::Impl {
   }
 
   /// Velocities and fluxes of the solved pressures, with the laws that the system was made of.
-  void take_velocities(const FlowInput& in, const Flow& before, Flow& flow) const {
+  void take_velocities(const FlowInput& in, const Flow& before, Flow& flow) {
     const auto p = [&](int c) { return x[c]; };
     for (std::size_t k = 0; k < grid.inner.size(); ++k) {
       const InnerFace& f = grid.inner[k];
-      const FaceLaw l = law_of(in, before, f);
+      const FaceLaw l = law_of(in, f);
       flow.inner[k] = ((p(f.a) - p(f.b)) / grid.h[f.axis] + l.push) / l.r;
       flow.inner_flux[k] = l.rho * flow.inner[k] * grid.area[static_cast<std::size_t>(f.axis)];
     }
@@ -196,13 +195,14 @@ struct FlowSolver::Impl {
         flow.outer[k] = flow.outer_flux[k] = 0;
       } else if (o.kind == Opening::Kind::flow) {
         const double rho = o.flux >= 0 ? before.pressure[static_cast<std::size_t>(f.cell)] / o.gas_constant_t
-                                       : density(in, before, f.cell);
+                                       : resistance[static_cast<std::size_t>(f.cell)].rho;
         flow.outer_flux[k] = -o.flux;
         flow.outer[k] = -o.flux / (rho * area);
       } else {
         const FaceLaw l = law_of(in, before, f, k);
         flow.outer[k] = ((p(f.cell) + in.reference - o.pressure) / (0.5 * grid.h[f.axis]) + l.push) / l.r;
         flow.outer_flux[k] = l.rho * flow.outer[k] * area;
+        outer_rho[k] = l.rho;
       }
     }
   }
@@ -227,32 +227,34 @@ struct FlowSolver::Impl {
     return change <= 1e-14 ? 0 : change / most;
   }
 
-  /// Pressure gradients of cells, as on the faces on both sides; half cells next to open faces.
+  /// Pressure gradients of cells by their own law, from its halves that belong to the two faces of an axis: what a cell
+  /// takes from the gas is what its grains get, and half slopes sum to the differences of pressure that were solved
+  /// for.
   void set_gradients(const FlowInput& in, Flow& flow) const {
     flow.gradient.assign(static_cast<std::size_t>(grid.cells()), Vec3{});
-    std::vector<Vec3> sides(flow.gradient.size());
-    const auto add = [&](int c, int axis, double slope) {
-      flow.gradient[static_cast<std::size_t>(c)][axis] += slope;
-      sides[static_cast<std::size_t>(c)][axis] += 1;
+    flow.outer_pressure.resize(grid.outer.size());
+    const auto half = [&](int cell, int axis, double u, double rho) {
+      const auto c = static_cast<std::size_t>(cell);
+      const Resistance& r = resistance[c];
+      const double slope = rho * in.gravity[axis] - r.bed * (u - moved(in, c)[axis]) - r.empty * u;
+      flow.gradient[c][axis] += 0.5 * slope;
+      return slope;
     };
-    for (const InnerFace& f : grid.inner) {
-      const double slope = (x[f.b] - x[f.a]) / grid.h[f.axis];
-      add(f.a, f.axis, slope);
-      add(f.b, f.axis, slope);
+    for (std::size_t k = 0; k < grid.inner.size(); ++k) {
+      const InnerFace& f = grid.inner[k];
+      half(f.a, f.axis, flow.inner[k], resistance[static_cast<std::size_t>(f.a)].rho);
+      half(f.b, f.axis, flow.inner[k], resistance[static_cast<std::size_t>(f.b)].rho);
     }
     for (std::size_t k = 0; k < grid.outer.size(); ++k) {
       const OuterFace& f = grid.outer[k];
-      if (in.outer[k].kind == Opening::Kind::closed) continue;
-      // the law of the cell holds up to the face: the slope that drives the velocity there
-      const auto c = static_cast<std::size_t>(f.cell);
-      const double sign = f.high ? 1 : -1, u = sign * flow.outer[k];
-      const double rho = density(in, flow, f.cell);
-      add(f.cell, f.axis,
-          rho * in.gravity[f.axis] - resistance[c].bed * (u - moved(in, c)[f.axis]) - resistance[c].empty * u);
+      const double sign = f.high ? 1 : -1;
+      const double rho =
+          in.outer[k].kind == Opening::Kind::pressure ? outer_rho[k] : resistance[static_cast<std::size_t>(f.cell)].rho;
+      const double slope = half(f.cell, f.axis, sign * flow.outer[k], rho);
+      flow.outer_pressure[k] = flow.pressure[static_cast<std::size_t>(f.cell)] + sign * 0.5 * grid.h[f.axis] * slope;
     }
-    for (std::size_t c = 0; c < sides.size(); ++c)
-      for (int k = 0; k < 3; ++k)
-        if (sides[c][k] > 1) flow.gradient[c][k] /= sides[c][k];
+    flow.resistance.resize(resistance.size());
+    for (std::size_t c = 0; c < resistance.size(); ++c) flow.resistance[c] = resistance[c].bed;
   }
 };
 

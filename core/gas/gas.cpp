@@ -104,6 +104,7 @@ void Gas::start(const FromGrains& grains) {
   flow_.outer.assign(grid_.outer.size(), 0);
   flow_.inner_flux = flow_.inner;
   flow_.outer_flux = flow_.outer;
+  flow_.outer_pressure.assign(flow_.outer.size(), settings_.pressure);
   flow_.velocity.assign(n, Vec3{});
   flow_.gradient.assign(n, Vec3{});
   set_fields();
@@ -120,6 +121,7 @@ FlowInput Gas::flow_input(const FromGrains& grains, double dt) const {
   in.gravity = gravity_;
   in.porosity = fields_.porosity;
   in.diameter = fields_.diameter;
+  in.drag_factor = grains.drag_factor;
   in.outer = openings_;
   in.viscosity.resize(n);
   in.gas_constant_t.resize(n);
@@ -131,7 +133,7 @@ FlowInput Gas::flow_input(const FromGrains& grains, double dt) const {
     in.gas_constant_t[c] = specific_gas_constant(fractions_of(content_.mass[c])) * content_.temperature[c];
     in.mass[c] = sum(content_.mass[c]);
     in.source[c] = sum(grains.source[c]);
-    if (grains.solid[c] > 0) in.solid_velocity[c] = (1 / grains.solid[c]) * grains.moment[c];
+    if (grains.solid[c] > 0) in.solid_velocity[c] = (1 / (grains.drag_factor[c] * grains.solid[c])) * grains.moment[c];
   }
   return in;
 }
@@ -170,6 +172,10 @@ void Gas::step(const FromGrains& wanted, double dt) {
   set_porosity(wanted);
   const FromGrains grains = at_most_there(wanted, dt);
   solver_.solve(flow_input(grains, dt), flow_);
+  for (std::size_t c = 0; c < fields_.drag.size(); ++c) {
+    const double e = fields_.porosity[c];
+    fields_.drag[c] = e * e * flow_.resistance[c] * grid_.volume;
+  }
   Passed passed;
   transport(grid_, flow_, openings_, grains, dt, flow_order(), content_, fields_, passed);
   for (std::size_t c = 0; c < fields_.taken.size(); ++c)
@@ -249,17 +255,15 @@ void Gas::set_fields() {
 }
 
 double Gas::pressure_drop(int axis) const noexcept {
-  const auto a = static_cast<std::size_t>(axis);
   double low = 0, high = 0;
   int n = 0;
-  for (int c = 0; c < grid_.cells(); ++c) {
-    const int stride = axis == 0 ? 1 : axis == 1 ? grid_.n[0] : grid_.n[0] * grid_.n[1];
-    const int place = c / stride % grid_.n[a];
-    const auto q = static_cast<std::size_t>(c);
-    if (place == 0) low += flow_.pressure[q] - 0.5 * grid_.h[axis] * flow_.gradient[q][axis], ++n;
-    if (place == grid_.n[a] - 1) high += flow_.pressure[q] + 0.5 * grid_.h[axis] * flow_.gradient[q][axis];
+  for (std::size_t k = 0; k < grid_.outer.size(); ++k) {
+    const OuterFace& f = grid_.outer[k];
+    if (f.axis != axis) continue;
+    (f.high ? high : low) += flow_.outer_pressure[k];
+    n += f.high;
   }
-  return (low - high) / n;
+  return n > 0 ? (low - high) / n : 0;
 }
 
 namespace {
@@ -292,6 +296,7 @@ std::vector<std::uint8_t> Gas::save() const {
   put(bytes, flow_.outer);
   put(bytes, flow_.inner_flux);
   put(bytes, flow_.outer_flux);
+  put(bytes, flow_.outer_pressure);
   put(bytes, flow_.velocity);
   put(bytes, flow_.gradient);
   put(bytes, fields_.porosity);
@@ -316,6 +321,7 @@ void Gas::load(std::span<const std::uint8_t> bytes, const std::string& where) {
   take(bytes, flow_.outer);
   take(bytes, flow_.inner_flux);
   take(bytes, flow_.outer_flux);
+  take(bytes, flow_.outer_pressure);
   take(bytes, flow_.velocity);
   take(bytes, flow_.gradient);
   take(bytes, fields_.porosity);

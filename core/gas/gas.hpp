@@ -51,7 +51,7 @@ class Gas {
   const Content& content() const noexcept { return content_; }
   const Balance& balance() const noexcept { return balance_; }
   std::int64_t steps() const noexcept { return steps_; }
-  /// Mean pressure of the cells at a side less that of the other end of the axis [Pa], extrapolated to the faces.
+  /// Mean pressure on the faces of a side less that of the other end of the axis [Pa]; 0 on a periodic axis.
   double pressure_drop(int axis) const noexcept;
 
   /// All that later steps depend on. load: Error{io} where it does not fit.

@@ -257,6 +257,7 @@ class GasPart final : public Part, public GasCells {
     from_.clear(gas_.grid().cells());
     shares_.give(w, from_);
     if (!gas_.started()) gas_.start(from_);
+    shares_.weigh(w, scene_.gas, gas_.grid(), gas_.fields(), from_);
     before_ = gas_.save();
     gas_.set_gravity(w.clock.gravity);
     if (thermal_) offer_heat(w);
@@ -267,7 +268,7 @@ class GasPart final : public Part, public GasCells {
     for (Row i = 0; i < w.rows.n; ++i) {
       set_row(force_, i, GasForce{});  // of the dead, too: the buffer holds what was two gas steps ago
       if (!w.rows.is_alive(i)) continue;
-      const GasForce f = shares_.force(w, scene_.gas, gas_.fields(), i);
+      const GasForce f = shares_.force(w, gas_.grid(), from_, gas_.fields(), i);
       check_drag(w, i, f.drag);
       set_row(force_, i, f);
       if (thermal_) take_heat(i);

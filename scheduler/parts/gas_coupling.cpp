@@ -41,24 +41,72 @@ void GasShares::give(const PartView& w, gas::FromGrains& to) const {
     each(i, [&](std::size_t c, double volume, double) {
       to.solid[c] += volume;
       to.specific[c] += volume / (2 * radius_of(w, i));
-      to.moment[c] = to.moment[c] + volume * velocity_of(w, i);
     });
 }
 
-GasForce GasShares::force(const PartView& w, const GasSettings& s, const gas::ToGrains& gas, Row i) const {
+namespace {
+
+/// A cell as the drag laws see it, and the drag per volume of grain that its law gives for the mean of its grains.
+struct CellDrag {
+  double porosity = 1, diameter = 0, per_volume = 0;
+};
+
+CellDrag cell_drag(const GasSettings& s, const gas::ToGrains& gas, std::size_t c, double solid, double specific,
+                   double cell, Vec3 mean) {
+  CellDrag d;
+  d.porosity = fmax2(s.least_porosity, 1 - solid / cell);
+  if (!(solid > 0) || d.porosity >= 1) return d;
+  d.diameter = solid / specific;
+  const double e = d.porosity, slip = norm(gas.velocity[c] - e * mean);
+  d.per_volume = e * e * gas::bed_resistance(s.drag, e, d.diameter, gas.viscosity[c], gas.density[c], slip) / (1 - e);
+  return d;
+}
+
+}  // namespace
+
+void GasShares::weigh(const PartView& w, const GasSettings& s, const gas::Grid& grid, const gas::ToGrains& gas,
+                      gas::FromGrains& to) {
+  const std::size_t cells = to.solid.size();
+  std::vector<Vec3> moment(cells);
+  for (Row i = 0; i < w.rows.n; ++i)
+    each(i, [&](std::size_t c, double volume, double) { moment[c] = moment[c] + volume * velocity_of(w, i); });
+  std::vector<CellDrag> bed(cells);
+  for (std::size_t c = 0; c < cells; ++c)
+    if (to.solid[c] > 0)
+      bed[c] = cell_drag(s, gas, c, to.solid[c], to.specific[c], grid.volume, (1 / to.solid[c]) * moment[c]);
+  weight_.assign(parts_.size(), 1);
+  std::vector<double> sum(cells);
+  for (Row i = 0; i < w.rows.n; ++i) {
+    const double d = 2 * radius_of(w, i), whole = det::k_pi / 6 * (d * d * d);
+    for (std::size_t k = begin_[static_cast<std::size_t>(i)]; k < begin_[static_cast<std::size_t>(i) + 1]; ++k) {
+      const auto c = static_cast<std::size_t>(parts_[k].first);
+      const CellDrag& b = bed[c];
+      if (b.per_volume > 0) {
+        const double slip = norm(gas.velocity[c] - b.porosity * velocity_of(w, i));
+        const double own = gas::grain_drag(s.drag, b.porosity, d, b.diameter, gas.viscosity[c], gas.density[c], slip);
+        weight_[k] = own / (whole * b.per_volume);
+      }
+      sum[c] += parts_[k].second * weight_[k];
+      to.moment[c] = to.moment[c] + (parts_[k].second * weight_[k]) * velocity_of(w, i);
+    }
+  }
+  for (std::size_t c = 0; c < cells; ++c)
+    if (to.solid[c] > 0) to.drag_factor[c] = sum[c] / to.solid[c];
+}
+
+GasForce GasShares::force(const PartView& w, const gas::Grid& grid, const gas::FromGrains& from,
+                          const gas::ToGrains& gas, Row i) const {
   GasForce f;
-  const double d = 2 * radius_of(w, i), whole = det::k_pi / 6 * (d * d * d);
-  const Vec3 v = velocity_of(w, i);
   Vec3 pull;  // drag times gas velocity
-  each(i, [&](std::size_t c, double volume, double) {
-    const double e = gas.porosity[c];
-    const Vec3 u = (1 / e) * gas.velocity[c];
-    const double k = volume / whole *
-                     gas::grain_drag(s.drag, e, d, gas.diameter[c], gas.viscosity[c], gas.density[c], e * norm(u - v));
-    f.drag += k;
-    pull = pull + k * u;
-    f.push = f.push - volume * gas.gradient[c];
-  });
+  for (std::size_t k = begin_[static_cast<std::size_t>(i)]; k < begin_[static_cast<std::size_t>(i) + 1]; ++k) {
+    const auto c = static_cast<std::size_t>(parts_[k].first);
+    const double volume = parts_[k].second, e = gas.porosity[c];
+    const double drag = gas.drag[c] * (volume * weight_[k]) / (from.drag_factor[c] * from.solid[c]);
+    f.drag += drag;
+    pull = pull + (drag / e) * gas.velocity[c];
+    // fuller than the least porosity allows: the pressure acts on as much as the gas takes for solid
+    f.push = f.push - (volume * fmin2(1, (1 - e) * grid.volume / from.solid[c])) * gas.gradient[c];
+  }
   if (f.drag > 0) f.gas = (1 / f.drag) * pull;
   return f;
 }

@@ -43,9 +43,15 @@ class GasShares {
  public:
   /// Of the living rows.
   void find(const PartView& w, const gas::Grid& grid);
-  /// Volume, size and velocity of the grains into `to`.
+  /// Volume and size of the grains into `to`.
   void give(const PartView& w, gas::FromGrains& to) const;
-  GasForce force(const PartView& w, const GasSettings& s, const gas::ToGrains& gas, Row i) const;
+  /// Velocity and drag factor into `to`, each grain with the weight that its own size and velocity give its drag in the
+  /// gas of the step before.
+  void weigh(const PartView& w, const GasSettings& s, const gas::Grid& grid, const gas::ToGrains& gas,
+             gas::FromGrains& to);
+  /// Row i's part of what the gas of its cells gives to their grains: with these weights, so that both are one sum.
+  GasForce force(const PartView& w, const gas::Grid& grid, const gas::FromGrains& from, const gas::ToGrains& gas,
+                 Row i) const;
   GasAtGrain around(const PartView& w, const GasSettings& s, const gas::ToGrains& gas, Row i) const;
   /// Calls add(cell, volume in it, share of what lies in the grid) for each cell of row i.
   template <class Add>
@@ -60,6 +66,7 @@ class GasShares {
  private:
   std::vector<std::size_t> begin_;             ///< [rows + 1]
   std::vector<std::pair<int, double>> parts_;  ///< cell, volume of the grain in it [m3]
+  std::vector<double> weight_;                 ///< of parts: own drag per volume / that of the cell's law [-]
 };
 
 /// The gas as columns of a .vti file.

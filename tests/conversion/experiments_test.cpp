@@ -81,7 +81,7 @@ TEST(Experiments, SadhukhanSphereAgreesWithTheComputedTable) {
                          1 / m0);
   std::printf("Sadhukhan sphere: centre within %.2f K, mass within %.4f of the table\n", T, m);
   EXPECT_LT(T, 1);
-  EXPECT_LT(m, 1.5e-3);
+  EXPECT_LT(m, 1.2e-3);  // the table has an error of 1.1e-3 of its own: cases/grain/sadhukhan_table.py
   expect_balances(c);
 }
 
@@ -176,11 +176,10 @@ TEST(Experiments, HuangSphereStaysWithinTheStatedErrors) {
   const double radius =
       rmse(c, "radius", {{19, .997}, {60, .972}, {100, .918}, {150, .861}, {200, .798}, {250, .771}, {300, .767}}, 100);
   std::printf("Huang sphere: RMSE mass %.3f, core %.0f K, surface %.0f K, radius %.3f\n", mass, core, surface, radius);
-  // Wanted are 0.05, 40 K and 0.05; what the published data give is held here (see the case page).
-  EXPECT_LT(mass, 0.075);
-  EXPECT_LT(core, 65);
+  EXPECT_LT(mass, 0.05);
+  EXPECT_LT(core, 40);
   EXPECT_LT(surface, 25);
-  EXPECT_LT(radius, 0.06);
+  EXPECT_LT(radius, 0.05);
   expect_balances(c);
 }
 

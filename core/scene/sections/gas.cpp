@@ -37,8 +37,8 @@ const Keys<GasSettings> k_gas(
             "drag on the grains, beside the force of the pressure gradient: ergun (dense beds only), gidaspow (ergun "
             "below "
             "a porosity of 0.7, Wen and Yu above 0.9, a smooth step between), di_felice, beetstra (porosity 0.4 to "
-            "0.9). Where the porosity is uneven the forces on all grains may differ by some per cent from pressure "
-            "drop times area: the law is taken at the cell of a grain, the flow at the faces of cells",
+            "0.9). What the gas loses and what grains get is one sum in each cell: forces on all grains are pressure "
+            "drop times area, less the weight of the gas and what cells above most_porosity resist",
             "\"di_felice\""),
         key("nusselt", &GasSettings::nusselt,
             "heat transfer to grains, which have temperatures beside [heat]; every must be heat.every then. Mass goes "
