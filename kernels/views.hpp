@@ -13,7 +13,9 @@ inline constexpr int k_pad = 16;           ///< slack behind every per-contact a
 inline constexpr int k_max_history = 8;    ///< history columns of the widest law
 inline constexpr int k_usual_history = 5;  ///< of the laws without partial slip
 inline constexpr int k_max_moment = 5;     ///< history columns of rolling and twisting, behind those of the law
-inline constexpr int k_max_columns = k_max_history + k_max_moment;
+inline constexpr int k_max_shaped = 6;     ///< history columns of superquadrics, in the place of those of moments
+inline constexpr int k_max_columns = k_max_history + k_max_shaped;
+static_assert(k_max_moment <= k_max_shaped);
 
 /// Contacts from `to` on, up to the next run, have their history of the last step at `from` and after; -1: they are
 /// new.

@@ -165,8 +165,8 @@ Counters Simulation::counters() const {
   Counters c = w.counters;
   std::int64_t both = 0, border = 0;
   for (const auto& k : w.contacts.chunks) {
-    both += k->contacts.end[1] - k->contacts.end[0];
-    border += k->contacts.end[0] + (k->contacts.end[2] - k->contacts.end[1]);
+    both += k->contacts.end[1] - k->contacts.end[0] - k->contacts.apart[0];
+    border += k->contacts.end[0] + (k->contacts.end[2] - k->contacts.end[1]) - k->contacts.apart[1];
     c.wall_contacts += static_cast<std::int64_t>(k->wall.state.size());
   }
   c.contacts = both + border / 2;

@@ -45,6 +45,8 @@ struct BodyRecord {
   double scale = 1, mass = 0;                     ///< mass [kg]
   Vec3 x, v, w;                                   ///< of the centre of mass [m], [m/s] (at n-1/2), [rad/s]
   std::array<double, 4> orientation{1, 0, 0, 0};  ///< quaternion w, x, y, z from the principal axes to space
+  Vec3 semi_axes;                                 ///< of a superquadric [m]; 0: a clump
+  std::array<double, 2> exponents{0, 0};          ///< n1, n2
 };
 
 /// A per-grain column of an optional part.

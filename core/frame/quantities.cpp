@@ -230,8 +230,9 @@ PolyData body_poly(const Frame& frame) {
   p.vertices = true;
   std::vector<std::int64_t> id;
   std::vector<std::int32_t> shape;
-  std::vector<double> scale, mass, turn;
-  std::vector<Vec3> v, w;
+  std::vector<double> scale, mass, turn, exponents;
+  std::vector<Vec3> v, w, axes;
+  bool superquadrics = false;
   for (const BodyRecord& b : frame.bodies) {
     p.points.push_back(b.x);
     id.push_back(b.id);
@@ -241,11 +242,18 @@ PolyData body_poly(const Frame& frame) {
     v.push_back(b.v);
     w.push_back(b.w);
     turn.insert(turn.end(), b.orientation.begin(), b.orientation.end());
+    axes.push_back(b.semi_axes);
+    exponents.insert(exponents.end(), b.exponents.begin(), b.exponents.end());
+    superquadrics = superquadrics || b.semi_axes.x > 0;
   }
   p.point_data = {{"id", 1, std::move(id)},           {"shape", 1, std::move(shape)},
                   {"scale", 1, std::move(scale)},     {"mass", 1, std::move(mass)},
                   {"velocity", 3, flat_of(v)},        {"angular_velocity", 3, flat_of(w)},
                   {"orientation", 4, std::move(turn)}};
+  if (superquadrics) {
+    p.point_data.push_back({"semi_axes", 3, flat_of(axes)});
+    p.point_data.push_back({"exponents", 2, std::move(exponents)});
+  }
   return p;
 }
 

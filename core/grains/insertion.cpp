@@ -128,9 +128,9 @@ NewParticles Insertion::batch(std::int64_t n, const PresentParticles& present, c
   return out;
 }
 
-const ClumpShape* Insertion::shape_of(std::size_t s) const {
+const BodyShape* Insertion::shape_of(std::size_t s) const {
   const int shape = scene_.sources[s].shape;
-  return shape < 0 ? nullptr : scene_.shapes[static_cast<std::size_t>(shape)].clump.get();
+  return shape < 0 ? nullptr : scene_.shapes[static_cast<std::size_t>(shape)].body.get();
 }
 
 std::vector<char> Insertion::materials() const {
@@ -165,7 +165,7 @@ double Insertion::largest_radius() const {
 double Insertion::largest_reach() const {
   double largest = largest_radius();
   for (std::size_t s = 0; s < scene_.sources.size(); ++s)
-    if (const ClumpShape* c = shape_of(s))
+    if (const BodyShape* c = shape_of(s))
       largest = fmax2(largest, 0.5 * scene_.sources[s].size.largest() * (c->bound / c->equal_radius));
   return largest;
 }

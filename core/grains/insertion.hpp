@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/grains/clump_shape.hpp"
+#include "core/grains/body_shape.hpp"
 #include "core/grains/population.hpp"
 #include "core/grains/size_sampler.hpp"
 #include "core/scene/scene.hpp"
@@ -125,7 +125,7 @@ class Insertion {
   void deliver(std::size_t source, Vec3 x, double r, NewParticles& out);
   void append(std::size_t source, Vec3 x, double r, Vec3 v, NewParticles& out) const;
   void append_body(std::size_t source, Vec3 x, double r, Vec3 v, NewParticles& out) const;
-  const ClumpShape* shape_of(std::size_t source) const;  ///< null: spheres
+  const BodyShape* shape_of(std::size_t source) const;  ///< null: spheres
   shapes::Quaternion turn_of(std::size_t source, std::int64_t number) const;
   void fill_lattice(std::size_t source, Site& site, NewParticles& out);
   void fill_random(std::size_t source, Site& site, NewParticles& out);

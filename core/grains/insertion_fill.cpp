@@ -61,7 +61,7 @@ struct Insertion::Site {
     return Answer::wall;
   }
   /// The same of a grain of volume-equal radius r; `shape`: of a body, or null.
-  Answer ask(const ClumpShape* shape, const shapes::Quaternion& turn, Vec3 x, double r, double scale = 1 + 1e-12) {
+  Answer ask(const BodyShape* shape, const shapes::Quaternion& turn, Vec3 x, double r, double scale = 1 + 1e-12) {
     if (shape == nullptr) return ask(x, r, scale);
     const shapes::Rotation to = shapes::rotation(turn);
     const double size = r / shape->equal_radius;
@@ -69,7 +69,7 @@ struct Insertion::Site {
       if (const Answer a = ask(x + shapes::to_space(to, size * s.x), size * s.r, scale); a != Answer::free) return a;
     return Answer::free;
   }
-  void occupy(const ClumpShape* shape, const shapes::Quaternion& turn, Vec3 x, double r) {
+  void occupy(const BodyShape* shape, const shapes::Quaternion& turn, Vec3 x, double r) {
     if (shape == nullptr) return occupied.add(x, r);
     const shapes::Rotation to = shapes::rotation(turn);
     const double size = r / shape->equal_radius;
@@ -107,7 +107,7 @@ double Insertion::next_radius(std::size_t s) const {
 
 double Insertion::mass_of(std::size_t s, double r) const {
   const Material& material = scene_.materials[static_cast<std::size_t>(scene_.sources[s].material)];
-  if (const ClumpShape* shape = shape_of(s)) return shape->mass(material, r / shape->equal_radius);
+  if (const BodyShape* shape = shape_of(s)) return shape->mass(material, r / shape->equal_radius);
   return Body{r, material.density}.mass();
 }
 
@@ -128,7 +128,7 @@ void Insertion::append(std::size_t s, Vec3 x, double r, Vec3 v, NewParticles& ou
 }
 
 void Insertion::append_body(std::size_t s, Vec3 x, double r, Vec3 v, NewParticles& out) const {
-  const ClumpShape& shape = *shape_of(s);
+  const BodyShape& shape = *shape_of(s);
   NewBody b;
   b.first = static_cast<std::int32_t>(out.size());
   b.count = static_cast<std::int32_t>(shape.spheres.size());
@@ -168,7 +168,7 @@ void Insertion::fill(std::size_t s, const NewParticles& before, const PresentPar
   const Source& source = scene_.sources[s];
   // Grains already there may be far larger than the source's: in its finest cells one of them widens every search.
   double largest = 0.5 * source.size.largest();
-  if (const ClumpShape* shape = shape_of(s))  // its spheres lie on either side of a face of the domain
+  if (const BodyShape* shape = shape_of(s))  // its spheres lie on either side of a face of the domain
     largest = 2 * largest * (shape->bound / shape->equal_radius);
   for (std::size_t i = 0; i < present.size(); ++i)
     if (present.rows[4 * i] <= 1e100) largest = fmax2(largest, present.rows[4 * i + 3]);
@@ -190,7 +190,7 @@ void Insertion::fill(std::size_t s, const NewParticles& before, const PresentPar
 void Insertion::fill_lattice(std::size_t s, Site& site, NewParticles& out) {
   const Source& source = scene_.sources[s];
   const Region& g = source.region;
-  const ClumpShape* shape = shape_of(s);
+  const BodyShape* shape = shape_of(s);
   const double largest = source.size.largest() * (shape != nullptr ? shape->bound / shape->equal_radius : 1);
   const double pitch = source.spacing * largest;
   const bool hexagonal = source.lattice == Source::Lattice::hexagonal;
@@ -262,7 +262,7 @@ void Insertion::fill_random(std::size_t s, Site& site, NewParticles& out) {
   std::vector<Vec3> x(r.size());
   std::uint64_t draw = 0;
   double volume = 0;
-  const ClumpShape* shape = shape_of(s);
+  const BodyShape* shape = shape_of(s);
   for (std::size_t placed = 0; placed < order.size(); ++placed) {
     const std::size_t i = order[placed];
     const shapes::Quaternion turn = turn_of(s, state.number + static_cast<std::int64_t>(i));
@@ -299,7 +299,7 @@ void Insertion::fill_stream(std::size_t s, Site& site, NewParticles& out) {
   const CounterRng rng(scene_.seed, s * k_purposes + k_position, static_cast<std::uint64_t>(state.batches));
   std::uint64_t draw = 0;
   const std::int64_t before = state.number;
-  const ClumpShape* shape = shape_of(s);
+  const BodyShape* shape = shape_of(s);
   while (!exhausted(s)) {
     const double r = next_radius(s);
     const shapes::Quaternion turn = turn_of(s, state.number);

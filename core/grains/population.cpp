@@ -154,13 +154,14 @@ Population Insertion::population() const {
     const Source& source = scene_.sources[s];
     if (source.kind != Source::Kind::file) {
       if (source.start >= end) continue;
-      const double share = largest_share(scene_, s), smallest = 0.5 * source.size.smallest() * share,
-                   largest = 0.5 * source.size.largest() * share;
-      if (const ClumpShape* c = shape_of(s)) {
+      const BodyShape* c = shape_of(s);
+      const double share = c != nullptr ? c->roundest / c->equal_radius : 1,
+                   smallest = 0.5 * source.size.smallest() * share, largest = 0.5 * source.size.largest() * share;
+      if (c != nullptr) {
         const Material& m = scene_.materials[static_cast<std::size_t>(source.material)];
-        const double sphere = Body{c->largest, m.density}.mass();
+        const double sphere = Body{c->roundest, m.density}.mass();
         p.add(source.material, false, smallest, largest, most_of(source), c->mass(m, 1) / (c->lightness * sphere),
-              c->smallest / c->largest);
+              c->smallest / c->roundest);
       } else {
         p.add(source.material, false, smallest, largest, most_of(source));
       }

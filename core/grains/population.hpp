@@ -18,8 +18,8 @@ struct GrainKind {
   bool fixed = false;
   double smallest[2] = {k_never, k_never}, largest[2] = {0, 0};
   std::int64_t count = 0;  ///< at most so many, capped at k_many_grains
-  /// Of bodies, of which the radii are those of the largest spheres: what answers a force on one over the mass of such
-  /// a sphere; the smallest radius over the largest.
+  /// Of bodies, of which the radii are those of the roundest contacts: what answers a force on one over the mass of
+  /// such a sphere; the smallest radius over that one.
   double weight = 1, thinnest = 1;
 };
 inline constexpr std::int64_t k_many_grains = 1000;

@@ -8,7 +8,7 @@
 
 #include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
-#include "core/grains/clump_shape.hpp"
+#include "core/grains/body_shape.hpp"
 #include "core/walls/closed_surface.hpp"
 #include "core/walls/wall_elements.hpp"
 
@@ -237,7 +237,7 @@ void require_loaded(const Scene& scene) {
     if (g.region) require(*g.region, fmt::format("group '{}'", g.name));
   for (const auto& a : scene.output.regions) require(a.region, fmt::format("output region '{}'", a.name));
   for (const ShapeSpec& s : scene.shapes)
-    if (s.clump == nullptr)
+    if (s.body == nullptr)
       throw Error(ErrorCode::scene, fmt::format("the file {} has not been read", s.file),
                   fmt::format("shape '{}'", s.name), "load_regions() reads it");
 }

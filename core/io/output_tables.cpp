@@ -20,8 +20,8 @@ constexpr OutputFile k_files[] = {
     {"walls.pvd", "output.particles_every", "the same for walls; cell column wall: number of the wall, from 0"},
     {"contacts.pvd", "output.contacts", "the same for contacts, a point each"},
     {"bodies.pvd", "source.shape",
-     "the same for bodies of several spheres, a point each: id, shape, scale, mass, velocity, angular_velocity, "
-     "orientation (quaternion w, x, y, z)"},
+     "the same for bodies that are no spheres, a point each: id, shape, scale, mass, velocity, angular_velocity, "
+     "orientation (quaternion w, x, y, z); with superquadrics semi_axes and exponents (n1, n2)"},
     {"grid.pvd", "output.grid", "the same for averages on a grid"},
     {"vtp/{particles,walls,contacts,bodies}-<N>.vtp", "output.vtp", "frame of step N"},
     {"vtp/grid-<N>.vti", "output.grid", "averages on a grid at step N"},

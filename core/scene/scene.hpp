@@ -124,22 +124,24 @@ struct Region {
   std::shared_ptr<const ClosedSurface> surface{};  ///< mesh: set when the file is read (load_region)
 };
 
-struct ClumpShape;
+struct BodyShape;
 
-/// A body that is no sphere. clump: spheres that move as one; where they overlap, its matter counts once. Lengths at
-/// scale 1; a source says how large its bodies are.
+/// A body that is no sphere. clump: spheres that move as one; where they overlap, its matter counts once. superquadric:
+/// (|x/a|^n2 + |y/b|^n2)^(n1/n2) + |z/c|^n1 = 1. Lengths at scale 1; a source says how large its bodies are.
 struct ShapeSpec {
-  TALUS_MEMBER_WORDS(Kind, clump)
+  TALUS_MEMBER_WORDS(Kind, clump, superquadric)
   Kind kind = Kind::clump;
   std::string name;
-  std::vector<double> spheres;              ///< x, y, z, radius of each [m]; empty: file
-  std::string file;                         ///< table of particles
-  double density = 0;                       ///< [kg/m3]; 0: that of the material
-  double mass = 0;                          ///< [kg]; 0: density
-  Vec3 centre;                              ///< of mass [m], where it is given
-  bool off_centre = false;                  ///< it is
-  std::vector<double> inertia;              ///< about it: xx, yy, zz, xy, xz, yz [kg m2]; empty: of the union
-  std::shared_ptr<const ClumpShape> clump;  ///< set by load_shapes()
+  std::vector<double> spheres;            ///< x, y, z, radius of each [m]; empty: file
+  std::string file;                       ///< table of particles
+  Vec3 axes;                              ///< semi-axes a, b, c of a superquadric [m]
+  std::vector<double> exponents;          ///< n1, n2; empty: 2, 2
+  double density = 0;                     ///< [kg/m3]; 0: that of the material
+  double mass = 0;                        ///< [kg]; 0: density
+  Vec3 centre;                            ///< of mass [m], where it is given
+  bool off_centre = false;                ///< it is
+  std::vector<double> inertia;            ///< about it: xx, yy, zz, xy, xz, yz [kg m2]; empty: of the union
+  std::shared_ptr<const BodyShape> body;  ///< set by load_shapes()
 };
 
 /// Source of particles. file: at step 0. lattice/random: once at time `start`. stream: batches every `interval` from

@@ -81,6 +81,12 @@ WallContact plane_contact(const Body& body, Vec3 on, Vec3 out) noexcept {
   return c;
 }
 
+WallContact edge_contact(const Body& body, Vec3 a, Vec3 b, PairCount& count) noexcept {
+  PairMemory none;
+  const PairContact e = solve_pair(body, segment(a, b), none, count);
+  return {e.normal, e.overlap, e.point};
+}
+
 WallContact triangle_contact(const Body& body, const Vec3 (&corner)[3], PairMemory (&memory)[3],
                              PairCount& count) noexcept {
   const Vec3 area = cross(corner[1] - corner[0], corner[2] - corner[0]);

@@ -17,6 +17,10 @@ struct WallContact {
 /// Half space behind the plane through `on` with the unit normal out of the wall. Closed form: the support function.
 WallContact plane_contact(const Body& body, Vec3 on, Vec3 out) noexcept;
 
+/// Edge from a to b, solved from the line of centres. The order of the ends is the caller's: facets that share an edge
+/// find the same bits where it is the same.
+WallContact edge_contact(const Body& body, Vec3 a, Vec3 b, PairCount& count) noexcept;
+
 /// Both sides of a triangle count: the side on which the body's centre lies. The overlap is that of the deepest point
 /// of the triangle: the largest, over the points of the facet, of the least distance that frees them. Memories: one per
 /// edge.

@@ -246,6 +246,31 @@ int WallSet::contacts(Vec3 c, double radius, std::span<const std::int32_t> candi
   return count;
 }
 
+void WallSet::pieces(Vec3 c, std::span<const std::int32_t> candidates, std::vector<WallPiece>& out,
+                     const Wraps& wraps) const {
+  out.clear();
+  CandidateReader at(impl_->walls, c, wraps);
+  for (const std::int32_t code : candidates) {
+    if (!at.read(code)) continue;
+    const Wall& w = impl_->walls[at.wall];
+    const ElementForm form = w.shape->form(at.facet);
+    if (form.kind == ElementForm::Kind::none) continue;
+    WallPiece p;
+    p.wall = static_cast<std::int32_t>(at.wall);
+    p.element = w.first + at.facet;
+    p.plane = form.kind == ElementForm::Kind::plane;
+    p.shift = at.shift;
+    p.slack = w.slack + k_shift_rounding * norm(at.shift);
+    for (int k = 0; k < (p.plane ? 1 : 3); ++k) p.corner[k] = to_world(w.pose, form.corner[k]) + at.shift;
+    if (p.plane) p.normal = direction_to_world(w.pose, form.normal);
+    out.push_back(p);
+  }
+}
+
+Vec3 WallSet::velocity(int wall, Vec3 point) const {
+  return velocity_at(impl_->walls[static_cast<std::size_t>(wall)].pose, point, impl_->dt);
+}
+
 void WallSet::match(std::span<const WallContact> before, std::span<const WallContact> now, std::int32_t* from) const {
   // An image is known by where the wall has the centre: it is a period away from where another image has it.
   const auto same = [&](const WallContact& a, const WallContact& b) {

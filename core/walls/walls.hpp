@@ -44,6 +44,16 @@ struct WallContact {
   Vec3 centre;               ///< the particle's centre as the wall itself has it, not the image that is touched [m]
 };
 
+/// An element as bodies that are no spheres meet it, at its present pose in the frame of the particles.
+struct WallPiece {
+  std::int32_t wall = 0, element = 0;
+  bool plane = false;  ///< else a triangle
+  Vec3 corner[3];      ///< of a plane: [0] is a point of it [m]
+  Vec3 normal;         ///< unit, either side; of a plane
+  Vec3 shift;          ///< of the image [m]
+  double slack = 0;    ///< corners are known this well [m]
+};
+
 /// Triangulated surface for output and reports; primitives are tessellated, infinite planes are clipped to the domain.
 struct WallSurface {
   std::string name;
@@ -121,6 +131,13 @@ class WallSet {
   /// the count (<= k_max_contacts). Thread-safe.
   int contacts(Vec3 c, double radius, std::span<const std::int32_t> candidates, WallContact* out,
                const Wraps& wraps = {}) const;
+
+  /// The candidates of centre c as planes and triangles; those of walls that do not act now, and of walls that are
+  /// neither, are left out.
+  void pieces(Vec3 c, std::span<const std::int32_t> candidates, std::vector<WallPiece>& out,
+              const Wraps& wraps = {}) const;
+  /// Velocity of a point of a wall at the mid-step n-1/2 [m/s].
+  Vec3 velocity(int wall, Vec3 point) const;
 
   /// For each of `now` the index of its predecessor in `before`, or -1: same element of the same image first, then
   /// within the same wall the unmatched one with the closest normal (cosine > 0.9): history passes to the adjoining

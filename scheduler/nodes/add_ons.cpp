@@ -9,6 +9,7 @@
 
 #include "core/base/error.hpp"
 #include "core/rules/adhesion.hpp"
+#include "scheduler/nodes/shaped_contacts.hpp"
 
 namespace talus {
 
@@ -50,7 +51,7 @@ void configure_add_ons(Rules& rules) {
                 scene.file, "contact.friction > 0");
   h.law_columns = h.history_columns;
   h.moment_columns = h.moments ? moment_columns(scene) : 0;
-  h.history_columns = h.law_columns + h.moment_columns;
+  h.history_columns = h.law_columns + (h.superquadrics ? k_max_shaped : h.moment_columns);
   h.reff = h.reff || h.moments;
   if (h.moments || h.cohesion) rules.law.add_ons = add_on_parameters(scene);
   if (h.cohesion)
@@ -61,6 +62,7 @@ void configure_add_ons(Rules& rules) {
     rules.law.moment_args.table = h.materials ? rules.law.add_ons.data() : nullptr;
     rules.law.moment_flips = moment_flips(scene);
   }
+  if (h.superquadrics) rules.law.moment_flips = k_shaped_flips;
   if (h.adhesion) {
     const int n = static_cast<int>(scene.materials.size());
     for (int a = 0; a < n; ++a)

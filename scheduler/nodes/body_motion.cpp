@@ -32,15 +32,15 @@ struct Motion {
 /// Sum over the rows of a body.
 struct Load {
   Vec3 force, torque;
-  double stiffness = 0;
-  double levered = 0;  ///< stiffness times (1 + m arm^2 / I) at most: force on a sphere turns the body, too
+  double stiffness = 0;  ///< of superquadrics: times what answers each contact over 1/m
+  double levered = 0;    ///< stiffness times (1 + m arm^2 / I) at most: force on a sphere turns the body, too
 };
 
 double* force_row(const Motion& m, Row i) {
   return m.c.scratch->f.data() + static_cast<std::ptrdiff_t>(m.rows.stride) * (i - m.c.lo);
 }
 
-Load load_of(const Motion& m, const ClumpShape& shape, double scale, const Rotation& r, Row i) {
+Load load_of(const Motion& m, const BodyShape& shape, double scale, const Rotation& r, Row i) {
   Load sum;
   for (const shapes::SubSphere& part : shape.spheres) {
     double* f = force_row(m, i);
@@ -75,7 +75,7 @@ Vec3 following(Vec3 v, Vec3 f, Vec3 gain, double most) {
 }
 
 /// While an overlapping start relaxes: relax.cpp says how.
-void relax(const Motion& m, const ClumpShape& shape, double scale, double inverse_mass, double inverse_inertia,
+void relax(const Motion& m, const BodyShape& shape, double scale, double inverse_mass, double inverse_inertia,
            const Load& load, const Rotation& r, BodyState& s) {
   const double dt = m.rules.scene.dt, way = m.rules.scene.relax.displacement * scale * shape.smallest;
   const bool first = m.clock.step == 0;
@@ -97,7 +97,7 @@ Vec3 local_drag(double share, Vec3 v, Vec3 f) {
 }
 
 /// Velocity and angular momentum from n-1/2 to n+1/2. Returns what local damping has dissipated [J].
-double kick_body(const Motion& m, const ClumpShape& shape, double mass, double inverse_mass, double inverse_inertia,
+double kick_body(const Motion& m, const BodyShape& shape, double mass, double inverse_mass, double inverse_inertia,
                  const Load& load, const Rotation& r, BodyState& s) {
   const Scene& scene = m.rules.scene;
   const Vec3 gravity = m.clock.gravity;
@@ -170,7 +170,7 @@ bool outside(const Rules& rules, Vec3 x) {
 
 void move_body(const Motion& m, std::int32_t b, Row i) {
   Bodies& bodies = m.rows.bodies;
-  const ClumpShape& shape = shape_of(m.rules, bodies, b);
+  const BodyShape& shape = shape_of(m.rules, bodies, b);
   const auto count = static_cast<Row>(shape.spheres.size());
   if (!m.rows.is_alive(i)) return keep_dead(m, b, i, count);
   const double scale = bodies.scale(b), mass = bodies.mass(b), inverse_mass = bodies.v[4L * b + 3],
@@ -181,7 +181,9 @@ void move_body(const Motion& m, std::int32_t b, Row i) {
   const Load load = load_of(m, shape, scale, before, i);
   Vec3 spin = s.spin;
   if (inverse_mass > 0) {
-    if (!m.relaxing && load.stiffness * inverse_mass > m.rules.bounds.unstable) m.c.result.unstable_row = i;
+    // the stiffness of superquadrics counts what turns, too: six motions share it instead of three
+    const double bound = shape.quadric ? 2 * m.rules.bounds.unstable : m.rules.bounds.unstable;
+    if (!m.relaxing && load.stiffness * inverse_mass > bound) m.c.result.unstable_row = i;
     if (load.levered * inverse_mass > m.c.result.body_row) {
       m.c.result.body_row = load.levered * inverse_mass;
       m.c.result.body_row_of = m.rows.id[i];

@@ -94,7 +94,8 @@ ListRecord list_record(const Rules& rules, const Clock& clock, const Contacts& c
   std::int64_t twice = 0;
   for (const auto& c : contacts.chunks) {
     const std::int64_t* end = c->contacts.end;
-    twice += 2 * (end[1] - end[0]) + end[0] + (end[2] - end[1]);
+    const std::int64_t* apart = c->contacts.apart;
+    twice += 2 * (end[1] - end[0] - apart[0]) + end[0] + (end[2] - end[1]) - apart[1];
   }
   r.contacts = twice / 2;
   return r;

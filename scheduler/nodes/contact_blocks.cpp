@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "scheduler/nodes/add_ons.hpp"
+#include "scheduler/nodes/shaped_contacts.hpp"
 
 namespace talus {
 
@@ -28,12 +29,7 @@ void find_deep(const Rules& rules, const Rows& rows, Chunk& c, std::int64_t k0, 
 }  // namespace
 
 ContactBlocks::ContactBlocks(const Rules& rules, const Clock& clock, const Rows& rows, Chunk& c)
-    : rules_(rules),
-      rows_(rows),
-      c_(c),
-      law_(rules.law_args(clock.step)),
-      moment_(rules.law.moment_args),
-      args_{} {
+    : rules_(rules), rows_(rows), c_(c), law_(rules.law_args(clock.step)), moment_(rules.law.moment_args), args_{} {
   GatherArgs& g = args_;
   g.v = rows.v.data();
   g.p = rows.p.data();
@@ -48,7 +44,10 @@ ContactBlocks::ContactBlocks(const Rules& rules, const Clock& clock, const Rows&
   if (c.contacts.run_count > 0)
     for (int k = 0; k < rules.has.law_columns; ++k)
       grow(c.scratch->h[k], static_cast<std::size_t>(c.contacts.end[2]) + 2 * k_pad);
+  if (rules.has.superquadrics) shaped_ = std::make_unique<ShapedContacts>(rules, clock, rows, c);
 }
+
+ContactBlocks::~ContactBlocks() = default;
 
 std::int64_t ContactBlocks::run_end(std::int32_t run) const {
   return run + 1 < c_.contacts.run_count ? c_.scratch->runs[static_cast<std::size_t>(run) + 1].to : c_.contacts.end[2];
@@ -144,7 +143,7 @@ Block ContactBlocks::gather(std::int64_t k0, BlockBuffers& buffers) {
   g.pair = rules_.has.materials ? buffers.pair : nullptr;
   g.deep_found = 0;
   rules_.kernels->gather[rules_.has.rotation ? 1 : 0](g);
-  if (g.deep_found != 0) find_deep(rules_, rows_, c_, k0, b.n);
+  if (g.deep_found != 0 && shaped_ == nullptr) find_deep(rules_, rows_, c_, k0, b.n);
   b.x = buffers.x[0];
   b.y = buffers.x[1];
   b.z = buffers.x[2];
@@ -157,12 +156,14 @@ Block ContactBlocks::gather(std::int64_t k0, BlockBuffers& buffers) {
   b.e = buffers.e;
   b.t = buffers.t;
   b.slid = rules_.has.moments ? buffers.slid : nullptr;
+  if (shaped_ != nullptr) shaped_->prepare(k0, b, buffers);
   return b;
 }
 
 Block ContactBlocks::evaluate(std::int64_t k0, BlockBuffers& buffers) {
   Block b = gather(k0, buffers);
   rules_.kernels->law[rules_.law.variant](b, law_);
+  if (shaped_ != nullptr) shaped_->settle(b);
   if (rules_.has.moments || rules_.has.cohesion) evaluate_add_ons(rules_, rows_, moment_, c_, k0, b, buffers);
   return b;
 }

@@ -3,6 +3,8 @@
 // touches), whatever happened to the order of the contacts since the last step.
 #pragma once
 
+#include <memory>
+
 #include "scheduler/state/contacts.hpp"
 #include "scheduler/state/rows.hpp"
 #include "scheduler/state/rules.hpp"
@@ -29,15 +31,19 @@ struct BlockBuffers {
 /// Sets what the gather pass prefetches: rows and history of the block behind the one from contact k0 on.
 void prefetch_next(const Rules& rules, const Rows& rows, const Chunk& c, std::int64_t k0, GatherArgs& g);
 
+class ShapedContacts;
+
 class ContactBlocks {
  public:
   /// After the narrow phase of the chunk. Where contacts have moved, the laws write into the scratch's columns.
   ContactBlocks(const Rules& rules, const Clock& clock, const Rows& rows, Chunk& c);
+  ~ContactBlocks();
   /// Gathers the contacts from k0 on, at most k_block. Blocks have to be asked for in ascending order.
   Block gather(std::int64_t k0, BlockBuffers& buffers);
   /// The same, and evaluates the law; forces are in the returned block's r.
   Block evaluate(std::int64_t k0, BlockBuffers& buffers);
-  const LawArgs& law() const noexcept { return law_; }  ///< of the present step
+  const LawArgs& law() const noexcept { return law_; }                     ///< of the present step
+  const ShapedContacts* shaped() const noexcept { return shaped_.get(); }  ///< of the last block; null: spheres alone
   /// After the last block: what the laws have written becomes the chunk's history.
   void keep_history();
   /// Brings the chunk's history into the present order (tests that permute contacts need it so).
@@ -54,6 +60,7 @@ class ContactBlocks {
   const MomentArgs moment_;
   GatherArgs args_;  ///< what all blocks have in common
   std::int32_t run_ = 0;
+  std::unique_ptr<ShapedContacts> shaped_;  ///< only with superquadrics
 };
 
 }  // namespace talus

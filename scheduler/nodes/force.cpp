@@ -6,6 +6,7 @@
 
 #include "scheduler/nodes/add_ons.hpp"
 #include "scheduler/nodes/contact_blocks.hpp"
+#include "scheduler/nodes/shaped_contacts.hpp"
 
 namespace talus {
 
@@ -65,8 +66,11 @@ void force_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Colum
                                                back});
       continue;
     }
-    blocks.evaluate(k0, buffers);
-    rules.kernels->scatter[rotation](to_rows);
+    const Block b = blocks.evaluate(k0, buffers);
+    if (blocks.shaped() != nullptr)
+      blocks.shaped()->scatter(to_rows, b);
+    else
+      rules.kernels->scatter[rotation](to_rows);
     if (rules.has.moments)
       rules.kernels->scatter[0](ScatterArgs{s.m.data() - 4 * static_cast<std::ptrdiff_t>(c.lo), s.ci.data() + k0,
                                             s.cj.data() + k0, n, from, to, buffers.s});

@@ -150,7 +150,8 @@ void observe_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Chu
     if (i > j) continue;  // a pair across chunks is seen by both owners
     const double *p = rows.p.data() + 4L * i, *o = rows.p.data() + 4L * j;
     const double d = norm(box.nearest({p[0] - o[0], p[1] - o[1], p[2] - o[2]}));
-    const double share = (p[3] + o[3] - d) / fmin2(p[3], o[3]);
+    const bool shaped = rules.has.superquadrics && s.depth[static_cast<std::size_t>(k)] >= 0;
+    const double share = shaped ? s.depth[static_cast<std::size_t>(k)] : (p[3] + o[3] - d) / fmin2(p[3], o[3]);
     const ParticleId a = rows.id[i], b = rows.id[j];
     x.offer(Watch::overlap, share, m.warn_overlap, a < b ? a : b, a < b ? b : a);
   }

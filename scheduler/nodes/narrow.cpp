@@ -44,7 +44,7 @@ void narrow_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Chun
   }
   a.ci = s.ci.data();
   a.cj = s.cj.data();
-  if (rules.has.adhesion || rules.has.moments)
+  if (rules.has.adhesion || rules.has.moments || rules.has.superquadrics)
     narrow_add_ons(rules, rows, c, a, room);
   else
     rules.kernels->narrow(a);

@@ -57,8 +57,8 @@ void Bodies::swap() noexcept {
   std::swap(spin, spin2);
 }
 
-const ClumpShape& shape_of(const Rules& rules, const Bodies& bodies, std::int32_t b) {
-  return *rules.scene.shapes[static_cast<std::size_t>(bodies.shape[static_cast<std::size_t>(b)])].clump;
+const BodyShape& shape_of(const Rules& rules, const Bodies& bodies, std::int32_t b) {
+  return *rules.scene.shapes[static_cast<std::size_t>(bodies.shape[static_cast<std::size_t>(b)])].body;
 }
 
 double inertia_scale(const Bodies& bodies, std::int32_t b) {
@@ -79,7 +79,7 @@ BodyState state_of(const Bodies& bodies, std::int32_t b, bool second) {
           get(second ? bodies.spin2 : bodies.spin, b)};
 }
 
-Vec3 spin_of(const ClumpShape& shape, double inverse_inertia, const shapes::Rotation& r, Vec3 l) {
+Vec3 spin_of(const BodyShape& shape, double inverse_inertia, const shapes::Rotation& r, Vec3 l) {
   const Vec3 inverse = inverse_inertia * shape.rotor.inverse;
   return shapes::to_space(r, {l.x * inverse.x, l.y * inverse.y, l.z * inverse.z});
 }
@@ -110,7 +110,7 @@ Vec3 wrapped(const Rules& rules, Vec3 x) {
 
 void place_rows(const Rules& rules, Rows& rows, std::int32_t b) {
   Bodies& bodies = rows.bodies;
-  const ClumpShape& shape = shape_of(rules, bodies, b);
+  const BodyShape& shape = shape_of(rules, bodies, b);
   const BodyState s = state_of(bodies, b);
   const shapes::Rotation r = shapes::rotation(s.turn);
   const Vec3 w = angular_velocity(rules, bodies, b);
@@ -137,7 +137,7 @@ void append_bodies(const Rules& rules, const Clock& clock, Rows& rows, Row first
   set_body_capacity(bodies, b + static_cast<std::int32_t>(a.bodies.size()));
   const double half = clock.step == 0 ? 0.0 : 0.5 * rules.scene.dt;  // as for grains: v(n-1/2) = v - g dt/2
   for (const NewBody& from : a.bodies) {
-    const ClumpShape& shape = *rules.scene.shapes[static_cast<std::size_t>(from.shape)].clump;
+    const BodyShape& shape = *rules.scene.shapes[static_cast<std::size_t>(from.shape)].body;
     const Row lead = first + from.first;
     bodies.first[static_cast<std::size_t>(b)] = lead;
     bodies.shape[static_cast<std::size_t>(b)] = from.shape;

@@ -8,7 +8,7 @@
 
 #include "core/base/columns.hpp"
 #include "core/base/types.hpp"
-#include "core/grains/clump_shape.hpp"
+#include "core/grains/body_shape.hpp"
 #include "core/grains/insertion.hpp"
 #include "scheduler/state/clock.hpp"
 #include "scheduler/state/rules.hpp"
@@ -39,7 +39,7 @@ struct Bodies {
 };
 
 void set_body_capacity(Bodies& bodies, std::int32_t n);  ///< resizes all columns, keeps content
-const ClumpShape& shape_of(const Rules& rules, const Bodies& bodies, std::int32_t b);
+const BodyShape& shape_of(const Rules& rules, const Bodies& bodies, std::int32_t b);
 /// Moments of inertia are this times shape.moments [kg].
 double inertia_scale(const Bodies& bodies, std::int32_t b);
 
@@ -51,7 +51,7 @@ struct BodyState {
 };
 BodyState state_of(const Bodies& bodies, std::int32_t b, bool second = false);
 /// Angular velocity in space of the angular momentum l in the principal axes [rad/s].
-Vec3 spin_of(const ClumpShape& shape, double inverse_inertia, const shapes::Rotation& r, Vec3 l);
+Vec3 spin_of(const BodyShape& shape, double inverse_inertia, const shapes::Rotation& r, Vec3 l);
 Vec3 angular_velocity(const Rules& rules, const Bodies& bodies, std::int32_t b);
 void set_angular_velocity(const Rules& rules, Bodies& bodies, std::int32_t b, Vec3 w);
 Vec3 wrapped(const Rules& rules, Vec3 x);  ///< into the domain through periodic sides; at most one period off

@@ -71,7 +71,8 @@ struct OuterList {
 struct PairContacts {
   Column<double> h[k_max_columns];
   std::int64_t end[3] = {0, 0, 0};
-  std::int32_t run_count = 0;  ///< between narrow phase and contact force: runs in scratch, 0 where none has moved
+  std::int64_t apart[2] = {0, 0};  ///< of them, interior and others: their spheres meet, their surfaces do not
+  std::int32_t run_count = 0;      ///< between narrow phase and contact force: runs in scratch, 0 where none has moved
   /// Keys of the contacts that a sort epoch or a checkpoint has handed to this chunk, each section closed by a last
   /// key; empty where the present list holds them.
   Column<std::uint64_t> distributed;
@@ -94,6 +95,7 @@ struct WallContacts {
   std::vector<Vec3> point;                  ///< contact points, parallel to state
   std::vector<Vec3> torque;                 ///< moment on the particle; rolling and twisting only
   std::vector<double> power;                ///< work of moving walls in this step, parallel to state
+  std::vector<Vec3> arm;                    ///< centre to contact point, parallel to state; superquadrics only [m]
 };
 
 /// What a chunk's nodes have found in the last step, for the check.

@@ -7,6 +7,7 @@
 
 #include "core/rules/timestep.hpp"
 #include "core/scene/scene.hpp"
+#include "kernels/bodies/pair_batch.hpp"
 #include "kernels/kernel_table.hpp"
 #include "scheduler/state/hooks.hpp"
 
@@ -16,10 +17,11 @@ namespace talus {
 struct Features {
   bool rotation = false, history = false, materials = false, walls = false, moving_walls = false, fixed = false;
   bool groups = false, energies = false, insertion = false, events = false, removal = false, periodic = false;
-  bool bodies = false;  ///< of several spheres
+  bool bodies = false;  ///< of several spheres, or superquadrics
+  bool superquadrics = false;
   bool moments = false, cohesion = false, adhesion = false, planes = false;
   bool fixed_at_walls = false;  ///< contacts of fixed grains with walls count too: they conduct heat
-  int history_columns = 0;      ///< of the law, then those of rolling and twisting
+  int history_columns = 0;      ///< of the law, then those of rolling and twisting, or of superquadrics
   int law_columns = 0, moment_columns = 0;
   bool reff = false;
 };
@@ -36,6 +38,7 @@ struct LawRules {
   std::vector<double> adhesive_range;    ///< AdhesiveArgs::range; empty without adhesion
   MomentArgs moment_args{};
   unsigned moment_flips = 0;
+  PairSolver solver = nullptr;  ///< superquadrics only
 };
 
 /// Bounds that the monitor holds the step to, judged at construction.

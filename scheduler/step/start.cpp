@@ -17,12 +17,16 @@ bool acts_later(const Source& s) {
   return s.kind == Source::Kind::stream || (s.kind != Source::Kind::file && s.start > 0);
 }
 
+/// Normal forces turn superquadrics: they have the law with friction, if need be with a friction of zero.
+bool rotates(const Scene& scene) { return scene.contact.friction || makes_superquadrics(scene); }
+
 /// What the scene needs, but for walls and what is added to the law.
 void set_features(Rules& rules, bool any_fixed) {
   const Scene& scene = rules.scene;
   Features& h = rules.has;
-  h.rotation = scene.contact.friction;
-  h.history_columns = (scene.contact.friction ? rules.law.info->history : 0) + (recalls(scene) ? 1 : 0);
+  h.superquadrics = makes_superquadrics(scene);
+  h.rotation = rotates(scene);
+  h.history_columns = (h.rotation ? rules.law.info->history : 0) + (recalls(scene) ? 1 : 0);
   h.history = h.history_columns > 0;
   h.materials = scene.materials.size() > 1;
   h.reff = rules.law.info->wants_reff;
@@ -45,12 +49,19 @@ void set_features(Rules& rules, bool any_fixed) {
   }
 }
 
+/// Pairs of superquadrics are solved exactly in both precisions.
+PairSolver solver_of(const KernelTable& kernels) {
+  const std::string_view name = kernels.name;
+  return pair_solver(name.substr(0, name.find(' ')));
+}
+
 void set_law(Rules& rules) {
   const Scene& scene = rules.scene;
   const Features& h = rules.has;
-  rules.law.variant = law_index(*rules.law.info, scene.contact.friction, h.materials, h.energies);
+  rules.law.variant = law_index(*rules.law.info, h.rotation, h.materials, h.energies);
   rules.law.trial = rules.law.info->trial && scene.contact.friction && scene.contact.sliding == Sliding::series &&
-                    !h.materials && !h.energies && !h.moments && !h.cohesion;
+                    !h.materials && !h.energies && !h.moments && !h.cohesion && !h.superquadrics;
+  if (h.superquadrics) rules.law.solver = solver_of(*rules.kernels);
   rules.law.parameters = pair_parameters(scene);
   rules.law.args.one = rules.law.parameters[0];
   rules.law.args.table = rules.law.parameters.data();

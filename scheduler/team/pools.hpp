@@ -28,6 +28,8 @@ void grow_discarding(Column<T>& c, std::size_t n) {
   }
 }
 
+struct ShapedLanes;  // scheduler/nodes/shaped_contacts.cpp
+
 /// Per-execution buffers of one chunk between narrow phase and integration; pooled so that they stay in cache.
 struct Scratch {
   Column<std::int32_t> ci, cj;
@@ -38,6 +40,8 @@ struct Scratch {
   std::vector<std::int32_t> wall_near;  ///< elements that a row can touch
   Column<double> m;                     ///< moment rows {M, 0} of the chunk: rolling and twisting only
   Column<std::uint8_t> before;          ///< touch bits of the last step: where add_ons.cpp carries history
+  Column<double> depth;                 ///< overlap over the inner radius; -1: of spheres. Superquadrics only
+  std::shared_ptr<ShapedLanes> lanes;   ///< superquadrics only
 };
 
 /// Pool of scratch buffers. Every thread gets back the one it gave, which lies in its caches; the rest is last in first

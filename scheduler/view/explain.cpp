@@ -44,11 +44,12 @@ void add_lists(const World& w, Plan& p) {
   add_array(p, "pair list", true, lists / n, "rows of candidate pairs and touch bits");
   add_array(p, "history", h.history_columns > 0, history / n,
             h.moment_columns > 0    ? "tangential, rolling and twisting springs of touching pairs"
+            : h.superquadrics       ? "tangential springs of touching pairs; normals and arms of superquadrics"
             : h.rotation            ? "tangential springs of touching pairs"
             : h.history_columns > 0 ? "predicted velocity of touching pairs"
                                     : "no friction, no history");
   add_array(p, "bodies", h.bodies, static_cast<double>(w.rows.bodies.columns.bytes()) / n,
-            h.bodies ? "a source makes bodies; per sphere" : "no source makes bodies");
+            h.bodies ? "a source makes bodies; per row" : "no source makes bodies");
   add_array(p, "moment rows", h.moments, 32, h.moments ? "rolling or twisting resistance" : "no rolling, no twisting");
   add_array(p, "wall contacts", h.walls, walls / n, h.walls ? "candidates and history" : "no walls");
   add_array(p, "cell index", true, 4.0 * 8 + 4.0 * static_cast<double>(w.lists.grid.cell_start.size()) / n,

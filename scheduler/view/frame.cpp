@@ -13,6 +13,7 @@
 #include "scheduler/nodes/contact_blocks.hpp"
 #include "scheduler/nodes/force.hpp"
 #include "scheduler/nodes/narrow.hpp"
+#include "scheduler/nodes/shaped_contacts.hpp"
 #include "scheduler/nodes/wall_contact.hpp"
 #include "scheduler/step/world.hpp"
 #include "scheduler/team/parallel.hpp"
@@ -72,6 +73,18 @@ void with_contacts(World& c, F fn) {
   });
 }
 
+ContactRecord shaped_record(const World& w, Row i, Row j, int k, const ShapedContacts& shaped, const Block& b) {
+  const Vec3 normal = k_far_inverse * Vec3{b.x[k], b.y[k], b.z[k]}, f{b.r[0][k], b.r[1][k], b.r[2][k]};
+  ContactRecord t;
+  t.a = w.rows.id[i];
+  t.b = w.rows.id[j];
+  t.normal_force = dot(f, normal) * normal;
+  t.tangential_force = f - t.normal_force;
+  t.overlap = b.w[k];
+  t.point = position_of(w.rules, w.rows, i) + shaped.arm(k);
+  return t;
+}
+
 void record_pairs(const World& w, Chunk& c, std::vector<RowContact>& out) {
   const Scratch& s = *c.scratch;
   BlockBuffers buffers;
@@ -81,6 +94,11 @@ void record_pairs(const World& w, Chunk& c, std::vector<RowContact>& out) {
     for (int k = 0; k < b.n; ++k) {
       const Row i = s.ci[static_cast<std::size_t>(k0 + k)], j = s.cj[static_cast<std::size_t>(k0 + k)];
       if (i > j) continue;  // a pair across chunks is seen by both owners
+      const ShapedContacts* shaped = blocks.shaped();
+      if (shaped != nullptr && shaped->shaped(k)) {
+        if (shaped->touches(k)) out.push_back({i, j, shaped_record(w, i, j, k, *shaped, b)});
+        continue;
+      }
       const Vec3 branch{b.x[k], b.y[k], b.z[k]}, f{b.r[0][k], b.r[1][k], b.r[2][k]};
       const double d = norm(branch);
       const Vec3 normal = (1 / d) * branch;
@@ -219,6 +237,10 @@ std::vector<BodyRecord> present_bodies(const World& w) {
     r.v = s.v;
     r.w = angular_velocity(w.rules, bodies, b);
     r.orientation = {s.turn.w, s.turn.x, s.turn.y, s.turn.z};
+    if (const auto& quadric = shape_of(w.rules, bodies, b).quadric) {
+      r.semi_axes = r.scale * quadric->surface.axes;
+      r.exponents = {quadric->surface.n1, quadric->surface.n2};
+    }
     all.push_back(r);
   }
   std::sort(all.begin(), all.end(), [](const BodyRecord& a, const BodyRecord& b) { return a.id < b.id; });
@@ -248,7 +270,9 @@ std::vector<WallLoad> wall_loads(const World& w) {
       WallLoad& l = loads[static_cast<std::size_t>(t.wall)];
       l.force = l.force - c->wall.force[k];
       // the force acts on the wall itself, at a whole number of periods from the image that the grain touches
-      const Vec3 point = (t.centre + w.rules.scene.domain.lower) - t.distance * t.normal;
+      Vec3 point = (t.centre + w.rules.scene.domain.lower) - t.distance * t.normal;
+      if (w.rules.has.superquadrics && superquadric_of(w.rules, w.rows, c->wall.state[k].row) != nullptr)
+        point = (t.centre + w.rules.scene.domain.lower) + c->wall.arm[k];
       l.torque = l.torque - cross(point, c->wall.force[k]);
       if (w.rules.has.moments) l.torque = l.torque - c->wall.torque[k];
     }

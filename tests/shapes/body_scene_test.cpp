@@ -88,7 +88,7 @@ TEST(Body, FrictionlessRodLeavesAWallAsItsImpulseSays) {
       source("rods", 1, "[0.02, 0.02, 0.004]", "[0.0281, 0.0281, 0.0121]",
              "shape = \"rod\"\nvelocity = [0, 0, -0.05]\norientation = \"fixed\"\norientation_axis = [0.8, 0, 0.6]");
   Simulation sim(scene_of(w), {});
-  const ClumpShape& shape = shape_of(rules_of(sim), bodies_of(sim), 0);
+  const BodyShape& shape = shape_of(rules_of(sim), bodies_of(sim), 0);
   const double m = bodies_of(sim).mass(0), transverse = m * shape.moments.y;
   // the lower sphere touches below its centre: arm of the normal force about the centre, 0.8 of the offset
   const double arm = 0.8 * 0.002, impulse = 2 * 0.05 / (1 / m + arm * arm / transverse);

@@ -1,5 +1,6 @@
 // [[shape]], and the keys of a [[source]] that makes bodies of one.
-#include "core/grains/clump_shape.hpp"
+#include "core/grains/body_shape.hpp"
+#include "core/rules/laws/law.hpp"
 #include "core/scene/sections/parts.hpp"
 
 namespace talus {
@@ -14,17 +15,32 @@ const Keys<ShapeSpec> k_shape(
         text_key<ShapeSpec>("name", "unique name", "\"rod\"").required(),
         key("kind", &ShapeSpec::kind,
             "clump: spheres that move as one rigid body. Volume, mass, centre and inertia are those of the union, so "
-            "that spheres which overlap count once",
-            "\"clump\""),
+            "that spheres which overlap count once. superquadric: (|x/a|^n2 + |y/b|^n2)^(n1/n2) + |z/c|^n1 = 1; its "
+            "overlap is the least way that frees a pair, its force acts along it, and R* of Hertz contacts follows the "
+            "curvature",
+            "\"superquadric\""),
+        key("semi_axes", &ShapeSpec::axes, "m", k_size, "a, b, c of a superquadric; at most 100 times each other",
+            "[0.004, 0.002, 0.002]")
+            .only("kind=superquadric")
+            .needed("superquadric", "(for a superquadric)"),
+        key("exponents", &ShapeSpec::exponents, "-", {shapes::k_exponent_least, shapes::k_exponent_most},
+            "n1 (along z) and n2 (in the plane of x and y): 2 an ellipsoid, 4 and more a rounded box, 2 in the plane "
+            "and "
+            "more along z a rounded cylinder",
+            "[8, 2]")
+            .absent("([2, 2])")
+            .only("kind=superquadric"),
         key("spheres", &ShapeSpec::spheres, "m", k_coordinate, "x, y, z, radius of each sphere, one after another",
             "[0, 0, -0.01, 0.01, 0, 0, 0.01, 0.01]")
             .absent("(this or file)")
-            .usual("", "file"),
+            .only("kind=clump")
+            .usual("clump", "file"),
         key("file", &ShapeSpec::file,
             "table whose header row names x, y, z, radius, as cases/shapes has some and `talus shape` makes them of a "
             "mesh; relative to the scene",
             "\"rod.csv\"")
-            .absent("(this or spheres)"),
+            .absent("(this or spheres)")
+            .only("kind=clump"),
         key("density", &ShapeSpec::density, "kg/m3", k_positive, "of its matter", "1400")
             .absent("(that of the source's material)"),
         key("mass", &ShapeSpec::mass, "kg", k_positive, "of a body of scale 1; it grows with the volume", "0.02")
@@ -35,11 +51,13 @@ const Keys<ShapeSpec> k_shape(
             "sum of m x y); needs mass",
             "[2e-6, 2e-6, 1e-6]")
             .beside("mass = 0.02")
-            .absent("(of the union)"),
+            .absent("(of the union)")
+            .only("kind=clump"),
         key("centre", &ShapeSpec::centre, "m", k_coordinate, "centre of mass of a loaded body; needs inertia",
             "[0, 0, 0.002]")
             .beside("mass = 0.02\ninertia = [2e-6, 2e-6, 1e-6]")
-            .absent("(of the union)"),
+            .absent("(of the union)")
+            .only("kind=clump"),
     });
 
 const Keys<Source> k_source(
@@ -72,6 +90,11 @@ ShapeSpec read_shape(const SceneTable& r, std::vector<std::string>& names) {
   s.name = unique_name(r, "", names);
   r.exclusive("spheres", "file");
   r.exclusive("density", "mass");
+  if (s.kind == ShapeSpec::Kind::superquadric) {
+    if (r.has("exponents") && s.exponents.size() != 2) r.fail("exponents", "must have two numbers, n1 and n2");
+    load_shape(s, "");
+    return s;
+  }
   if (!r.has("spheres") && !r.has("file")) r.missing("spheres", "(or file) by a clump");
   if (r.has("spheres") && (s.spheres.empty() || s.spheres.size() % 4 != 0))
     r.fail("spheres", "must have four numbers (x, y, z, radius) for each sphere");
@@ -83,6 +106,20 @@ ShapeSpec read_shape(const SceneTable& r, std::vector<std::string>& names) {
   s.inertia.resize(s.inertia.size() == 3 ? 6 : s.inertia.size(), 0.0);
   if (!s.spheres.empty()) load_shape(s, "");
   return s;
+}
+
+/// What a law says of spheres alone would be wrong of them.
+void refuse_beside_superquadrics(const SceneTable& root, const Scene& scene) {
+  constexpr const char* refused = "cannot be had of superquadrics";
+  const SceneTable contact = root.section("contact");
+  if (scene.contact.rolling != Rolling::none) contact.fail("rolling", "is the shape's own work in superquadrics");
+  if (scene.contact.twisting) contact.fail("twisting_friction", refused);
+  if (scene.contact.cohesion != Cohesion::none) contact.fail("cohesion", refused);
+  const std::vector<SceneTable> walls = root.sections("wall");
+  for (std::size_t k = 0; k < walls.size() && k < scene.walls.size(); ++k)
+    if (scene.walls[k].shape == WallShape::cylinder || scene.walls[k].shape == WallShape::cone)
+      walls[k].fail("shape", "cannot be met by superquadrics: plane, box and mesh can");
+  if (law_of(scene).adhesion != nullptr) contact.fail("model", "with adhesion cannot be had of superquadrics");
 }
 
 void read(const SceneTable& root, Scene& scene) {
@@ -111,6 +148,7 @@ void read(const SceneTable& root, Scene& scene) {
   if (scene.heat.on) root.fail("heat", refused);
   if (scene.conversion.on) root.fail("conversion", refused);
   if (scene.gas.on) root.fail("gas", refused);
+  if (makes_superquadrics(scene)) refuse_beside_superquadrics(root, scene);
 }
 
 }  // namespace

@@ -38,6 +38,9 @@ class Plane final : public Shape {
     return fastest(pose, body);
   }
   double arm(const WallMotion&) const override { return k_never; }
+  ElementForm form(std::int32_t) const override {
+    return {ElementForm::Kind::plane, {plane_.point, {}, {}}, plane_.normal};
+  }
 
  private:
   PlaneElement plane_;

@@ -1,5 +1,5 @@
-// See clump_shape.hpp.
-#include "core/grains/clump_shape.hpp"
+// See body_shape.hpp.
+#include "core/grains/body_shape.hpp"
 
 #include <fmt/format.h>
 
@@ -53,13 +53,67 @@ Quaternion upright_to(Vec3 n) {
 
 }  // namespace
 
+namespace {
+
+/// m times the largest 1/m + (r x n) I^-1 (r x n) over points of the surface and directions. The points are those of a
+/// grid in one octant; what lies between them is within the margin.
+double lightness_of(const shapes::Superquadric& s, Vec3 inverse) {
+  constexpr int k_grid = 64;
+  double most = 0;
+  for (int i = 0; i <= k_grid; ++i) {
+    const auto polar = det::sincos_turns(0.25 * i / k_grid);
+    for (int j = 0; j <= k_grid; ++j) {
+      const auto turn = det::sincos_turns(0.25 * j / k_grid);
+      const Vec3 along{s.axes.x * (polar.sin * turn.cos), s.axes.y * (polar.sin * turn.sin), s.axes.z * polar.cos};
+      // F + 1 is homogeneous of degree n1
+      const double reach = det::exp(-det::log(shapes::inside_outside(s, along) + 1) / s.n1);
+      most = fmax2(most, lever_of(reach * along, inverse));
+    }
+  }
+  return 1 + 1.02 * most;
+}
+
+void load_superquadric(ShapeSpec& spec) {
+  const std::string where = fmt::format("shape '{}'", spec.name);
+  shapes::Superquadric s;
+  s.axes = spec.axes;
+  if (spec.exponents.size() == 2) s.n1 = spec.exponents[0], s.n2 = spec.exponents[1];
+  shapes::check(s, where.c_str());
+  BodyShape c;
+  c.volume = shapes::volume(s);
+  c.density = spec.mass > 0 ? spec.mass / c.volume : spec.density;
+  c.equal_radius = det::cbrt(c.volume / (4.0 / 3.0 * det::k_pi));
+  c.moments = (1 / c.volume) * shapes::inertia(s);
+  c.rotor = shapes::make_rotor(c.moments);
+  c.bound = c.largest = shapes::bounding_radius(s) * (1 + 8 * shapes::k_eta);  // the body as contacts see it
+  c.spheres.push_back({{}, c.bound});
+  c.smallest = fmin2(s.axes.x, fmin2(s.axes.y, s.axes.z));
+  c.lightness = lightness_of(s, c.rotor.inverse);
+  QuadricShape q;
+  q.surface = s;
+  q.form = shapes::dual_form(s);
+  q.size = fmax2(s.axes.x, fmax2(s.axes.y, s.axes.z));
+  q.roundness = shapes::smallest_radius(s);
+  q.flat = 2 * c.equal_radius;
+  c.roundest = 5 * q.flat;
+  if (s.n1 == 2 && s.n2 == 2) {  // of an ellipsoid: where the shortest axis ends
+    const double most = (c.volume / (4.0 / 3.0 * det::k_pi)) / (c.smallest * c.smallest);
+    c.roundest = shapes::hertz_radius({most, most}, q.flat);
+  }
+  c.quadric = q;
+  spec.body = std::make_shared<const BodyShape>(std::move(c));
+}
+
+}  // namespace
+
 void load_shape(ShapeSpec& spec, const std::string& directory) {
-  if (spec.clump != nullptr) return;
+  if (spec.body != nullptr) return;
+  if (spec.kind == ShapeSpec::Kind::superquadric) return load_superquadric(spec);
   const std::string where =
       spec.file.empty() ? fmt::format("shape '{}'", spec.name) : fmt::format("shape '{}', {}", spec.name, spec.file);
   const std::vector<shapes::SubSphere> given = spheres_of(spec, directory);
   const shapes::MassProperties whole = shapes::union_properties(given, where);
-  ClumpShape c;
+  BodyShape c;
   c.volume = whole.volume;
   c.density = spec.mass > 0 ? spec.mass / whole.volume : spec.density;
   c.equal_radius = det::cbrt(whole.volume / (4.0 / 3.0 * det::k_pi));
@@ -81,34 +135,42 @@ void load_shape(ShapeSpec& spec, const std::string& directory) {
     c.lightness = fmax2(c.lightness, 1 + lever_of(c.spheres.back().x, c.rotor.inverse));
   }
   c.bound = shapes::clump_radius(c.spheres, {});
-  spec.clump = std::make_shared<const ClumpShape>(std::move(c));
+  c.roundest = c.largest;
+  spec.body = std::make_shared<const BodyShape>(std::move(c));
 }
 
 void set_natural_sizes(Scene& scene) {
   for (Source& s : scene.sources) {
     if (s.shape < 0 || s.kind == Source::Kind::file || s.size.largest() > 0) continue;
-    if (const auto& clump = scene.shapes[static_cast<std::size_t>(s.shape)].clump)
-      s.size.diameter = 2 * clump->equal_radius;
+    if (const auto& body = scene.shapes[static_cast<std::size_t>(s.shape)].body)
+      s.size.diameter = 2 * body->equal_radius;
   }
 }
 
 double smallest_share(const Scene& scene, std::size_t source) {
   const int k = scene.sources[source].shape;
   if (k < 0) return 1;
-  const ClumpShape& c = *scene.shapes[static_cast<std::size_t>(k)].clump;
+  const BodyShape& c = *scene.shapes[static_cast<std::size_t>(k)].body;
   return c.smallest / c.equal_radius;
 }
 
 double largest_share(const Scene& scene, std::size_t source) {
   const int k = scene.sources[source].shape;
   if (k < 0) return 1;
-  const ClumpShape& c = *scene.shapes[static_cast<std::size_t>(k)].clump;
+  const BodyShape& c = *scene.shapes[static_cast<std::size_t>(k)].body;
   return c.largest / c.equal_radius;
+}
+
+bool makes_superquadrics(const Scene& scene) {
+  for (const Source& s : scene.sources)
+    if (s.shape >= 0 && scene.shapes[static_cast<std::size_t>(s.shape)].kind == ShapeSpec::Kind::superquadric)
+      return true;
+  return false;
 }
 
 Quaternion first_turn(const Scene& scene, std::size_t source, std::int64_t number) {
   const Source& s = scene.sources[source];
-  const ClumpShape& shape = *scene.shapes[static_cast<std::size_t>(s.shape)].clump;
+  const BodyShape& shape = *scene.shapes[static_cast<std::size_t>(s.shape)].body;
   const CounterRng rng(scene.seed, source, 0x7475726e);  // a substream of its own: sizes and places stay as they are
   const auto draw = [&](std::uint64_t k) { return rng.uniform(3 * static_cast<std::uint64_t>(number) + k); };
   if (s.orientation == Source::Orientation::random) {  // Shoemake (1992)

@@ -1,0 +1,149 @@
+// See body_walls.hpp. The reduction is that of core/walls/wall_contacts.cpp with overlaps in place of distances.
+#include "core/shapes/body_walls.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "core/base/error.hpp"
+#include "core/shapes/wall_contact.hpp"
+
+namespace talus::shapes {
+namespace {
+
+constexpr double k_tangent_tolerance = 1e-7;  // of the bound; feet on edges are known to a tenth of it
+
+struct Hit {
+  WallContact c;  ///< normal into the wall
+  Vec3 foot;      ///< the wall's point [m]
+  const WallPiece* piece = nullptr;
+  bool face = false;
+};
+
+Vec3 foot_of(const WallContact& c) { return c.point - (0.5 * c.overlap) * c.normal; }
+
+bool inside(const WallPiece& p, Vec3 normal, Vec3 x) {
+  for (int k = 0; k < 3; ++k)
+    if (dot(cross(p.corner[(k + 1) % 3] - p.corner[k], x - p.corner[k]), normal) < 0) return false;
+  return true;
+}
+
+Vec3 normal_of(const WallPiece& p) {
+  if (p.plane) return p.normal;
+  const Vec3 area = cross(p.corner[1] - p.corner[0], p.corner[2] - p.corner[0]);
+  return (1 / norm(area)) * area;
+}
+
+double distance_to_segment(Vec3 a, Vec3 b, Vec3 x) {
+  const Vec3 e = b - a;
+  const double t = dot(x - a, e) / norm2(e), at = fmin2(1, fmax2(0, t));
+  return norm(x - (a + at * e));
+}
+
+double distance_to_triangle(const WallPiece& p, Vec3 x) {
+  const Vec3 n = normal_of(p);
+  if (inside(p, n, x)) return __builtin_fabs(dot(x - p.corner[0], n));
+  double least = 1e300;
+  for (int k = 0; k < 3; ++k) least = fmin2(least, distance_to_segment(p.corner[k], p.corner[(k + 1) % 3], x));
+  return least;
+}
+
+/// The part of an edge that the body can reach: the shorter it is, the better its contact is resolved.
+void clip(Vec3 centre, double reach, Vec3& a, Vec3& b) {
+  const Vec3 e = b - a;
+  const double length = norm(e), middle = dot(centre - a, e) / length, most = 1.01 * reach;
+  const Vec3 unit = (1 / length) * e, from = a;
+  if (middle - most > 0) a = from + (middle - most) * unit;
+  if (middle + most < length) b = from + (middle + most) * unit;
+}
+
+bool before(Vec3 a, Vec3 b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
+
+/// Edges and corners of a triangle whose face is not met: the deepest of them.
+bool edge_hit(const Body& body, double bound, const WallPiece& p, Hit& hit) {
+  bool found = false;
+  PairCount count;
+  for (int k = 0; k < 3; ++k) {
+    Vec3 a = p.corner[k], b = p.corner[(k + 1) % 3];
+    if (!(distance_to_segment(a, b, body.centre) < bound)) continue;
+    if (before(b, a)) std::swap(a, b);
+    clip(body.centre, bound, a, b);
+    const WallContact e = edge_contact(body, a, b, count);
+    if (!(e.overlap > 0) || (found && e.overlap <= hit.c.overlap)) continue;
+    hit = {e, foot_of(e), &p, false};
+    found = true;
+  }
+  return found;
+}
+
+bool piece_hit(const Body& body, double bound, const WallPiece& p, Hit& hit) {
+  const Vec3 n = normal_of(p);
+  const double side = dot(body.centre - p.corner[0], n) < 0 ? -1 : 1;
+  const WallContact c = plane_contact(body, p.corner[0], side * n);
+  if (!(c.overlap > 0)) return false;  // the plane parts them
+  if (p.plane || inside(p, n, c.point)) {
+    hit = {c, foot_of(c), &p, true};
+    return true;
+  }
+  return edge_hit(body, bound, p, hit);
+}
+
+bool hit_before(const Hit& a, const Hit& b) {
+  if (a.face != b.face) return a.face;
+  if (a.c.overlap != b.c.overlap) return a.c.overlap > b.c.overlap;
+  const double a2 = norm2(a.piece->shift), b2 = norm2(b.piece->shift);
+  return std::tie(a2, a.piece->element) < std::tie(b2, b.piece->element);
+}
+
+/// At or behind the tangent plane of an accepted one.
+bool behind(const Hit& a, const Hit& h, double tolerance) { return dot(h.foot - a.foot, a.c.normal) >= -tolerance; }
+
+/// The foot of h lies in the facet of a, which is met deeper elsewhere.
+bool leads_deeper(const Hit& a, const Hit& h, double tolerance) {
+  return !a.piece->plane && a.c.overlap > h.c.overlap && distance_to_triangle(*a.piece, h.foot) <= tolerance;
+}
+
+}  // namespace
+
+void body_wall_contacts(const Body& body, double bound, const WallSet& walls, std::span<const std::int32_t> candidates,
+                        const WallSet::Wraps& wraps, std::vector<BodyWallContact>& out) {
+  static thread_local std::vector<WallPiece> pieces;
+  static thread_local std::vector<Hit> hits;
+  static thread_local std::vector<const Hit*> accepted;
+  out.clear();
+  hits.clear();
+  accepted.clear();
+  walls.pieces(body.centre, candidates, pieces, wraps);
+  double slack = k_tangent_tolerance * bound;
+  for (const WallPiece& p : pieces) {
+    Hit h;
+    if (piece_hit(body, bound, p, h)) hits.push_back(h), slack = fmax2(slack, p.slack);
+  }
+  std::sort(hits.begin(), hits.end(), hit_before);
+  for (const Hit& h : hits) {
+    const bool same = std::any_of(accepted.begin(), accepted.end(), [&](const Hit* a) { return behind(*a, h, slack); });
+    const bool leads = !h.face && std::any_of(hits.begin(), hits.end(), [&](const Hit& a) {
+      return a.piece->wall == h.piece->wall && leads_deeper(a, h, slack);
+    });
+    if (!same && !leads) accepted.push_back(&h);
+  }
+  if (accepted.size() > static_cast<std::size_t>(WallSet::k_max_contacts))
+    throw Error(
+        ErrorCode::physics,
+        fmt::format("a particle of radius {:.4g} m touches more than {} wall features", bound, WallSet::k_max_contacts),
+        fmt::format("position ({:.6g}, {:.6g}, {:.6g})", body.centre.x, body.centre.y, body.centre.z),
+        "the mesh is much finer than the particle: use a coarser one");
+  std::sort(accepted.begin(), accepted.end(), [](const Hit* a, const Hit* b) {
+    const double a2 = norm2(a->piece->shift), b2 = norm2(b->piece->shift);
+    return std::tie(a->piece->element, a2) < std::tie(b->piece->element, b2);
+  });
+  for (const Hit* h : accepted) {
+    const WallPiece& p = *h->piece;
+    out.push_back({{p.wall, p.element, -h->c.normal, bound - h->c.overlap, walls.velocity(p.wall, h->foot - p.shift),
+                    body.centre - p.shift},
+                   h->foot - body.centre});
+  }
+}
+
+}  // namespace talus::shapes

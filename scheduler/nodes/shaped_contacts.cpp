@@ -1,0 +1,239 @@
+// See shaped_contacts.hpp.
+#include "scheduler/nodes/shaped_contacts.hpp"
+
+namespace talus {
+
+/// A pair that is to be solved, from its lower row a to its higher row o.
+struct ShapedLane {
+  int k = 0;             ///< contact of the block
+  bool swapped = false;  ///< a is j
+  Surface a, o;
+  Vec3 d;       ///< x_o - x_a [m]
+  Vec3 before;  ///< normal of the last step, from a to o; 0: not known
+  Vec3 sum;     ///< of the arms of the last step [m]; 0: it did not touch
+};
+
+/// The pairs of a block, as the solver wants them.
+struct ShapedLanes {
+  static constexpr int k_stride = k_block + 8;
+  alignas(64) double in[PairColumns::k_in][k_stride], out[PairColumns::k_out][k_stride];
+  ShapedLane lane[k_block];
+  int n = 0;
+};
+
+/// What the solver found, in space: the normal from a to o.
+struct ShapedContacts::Answer {
+  Vec3 normal;
+  double overlap = 0;
+  Vec3 arm;  ///< from the centre of a to the contact point [m]
+};
+
+namespace {
+
+using shapes::Plain;
+using shapes::Triple;
+
+constexpr int k_evaluations = 80;  // of Newton's method; pairs that need more take the ladder of solve_pair()
+
+Vec3 line_of_centres(const ShapedLane& q) {
+  const double d2 = norm2(q.d), size = fmax2(q.a.size, q.o.size);
+  return d2 > 1e-24 * (size * size) ? (1 / __builtin_sqrt(d2)) * q.d : Vec3{0, 0, 1};
+}
+
+void fill_lane(ShapedLanes& lanes, int at) {
+  const ShapedLane& q = lanes.lane[at];
+  const shapes::PairForm<Plain> p = shapes::pair_form(q.a.body({}), q.o.body(q.d));
+  const bool known = norm2(q.before) > 0;
+  const Vec3 n = shapes::to_body(q.a.turn, known ? q.before : line_of_centres(q));
+  int column = 0;
+  const auto put = [&](double v) { lanes.in[column++][at] = v; };
+  const auto put3 = [&](const Triple<Plain>& v) { put(v.x), put(v.y), put(v.z); };
+  for (const shapes::DualForm<Plain>* f : {&p.i, &p.j}) put3(f->axes2), put(f->p1), put(f->p2);
+  for (const Triple<Plain>& row : p.turn) put3(row);
+  put3(p.d);
+  put(p.size);
+  put(0);  // range
+  put3({n.x, n.y, n.z});
+  put(known ? shapes::k_warm_eta : 1);
+  put(1);  // care
+}
+
+void solve_lanes(const Rules& rules, ShapedLanes& lanes) {
+  if (lanes.n == 0) return;
+  for (int k = lanes.n; k % 8 != 0; ++k)  // the last batch is a whole one
+    for (auto& column : lanes.in) column[k] = column[lanes.n - 1];
+  rules.law.solver({lanes.n, ShapedLanes::k_stride, lanes.in[0], lanes.out[0]}, k_evaluations);
+}
+
+}  // namespace
+
+ShapedContacts::ShapedContacts(const Rules& rules, const Clock& clock, const Rows& rows, Chunk& c)
+    : rules_(rules), rows_(rows), c_(c), relaxing_(clock.step < rules.scene.relax.steps) {
+  Scratch& s = *c.scratch;
+  grow(s.depth, static_cast<std::size_t>(c.contacts.end[2]));
+  if (s.lanes == nullptr) s.lanes = std::make_shared<ShapedLanes>();
+  for (std::int64_t& n : c.contacts.apart) n = 0;
+}
+
+void ShapedContacts::judge_depth(std::int64_t slot, Row i, Row j, double overlap, double inner) {
+  if (relaxing_ || c_.result.deep_slot >= 0 || overlap <= rules_.scene.max_overlap * inner) return;
+  c_.result.deep_slot = slot;
+  c_.result.deep_rows[0] = i;
+  c_.result.deep_rows[1] = j;
+}
+
+void ShapedContacts::queue(int k, std::int64_t at, Row i, Row j, const Block& b, ShapedLanes& lanes) const {
+  ShapedLane& q = lanes.lane[lanes.n];
+  q.k = k;
+  q.swapped = i > j;
+  q.a = surface_of(rules_, rows_, q.swapped ? j : i);
+  q.o = surface_of(rules_, rows_, q.swapped ? i : j);
+  const double sign = q.swapped ? -1 : 1;
+  q.d = -sign * Vec3{b.x[k], b.y[k], b.z[k]};
+  const Column<double>* h = c_.contacts.h + rules_.has.law_columns;
+  const auto n = static_cast<std::size_t>(at);
+  q.before = sign * Vec3{h[0][n], h[1][n], h[2][n]};
+  q.sum = {h[3][n], h[4][n], h[5][n]};
+  fill_lane(lanes, lanes.n++);
+}
+
+ShapedContacts::Answer ShapedContacts::answer(int lane, const ShapedLanes& lanes) const {
+  const ShapedLane& q = lanes.lane[lane];
+  const auto out = [&](int column) { return lanes.out[column][lane]; };
+  Answer r;
+  r.overlap = out(3);
+  // the point parts the overlap as the sizes are to each other, which is where two spheres have theirs
+  const double share = q.a.middle / (q.a.middle + q.o.middle);
+  const bool done = out(10) > 0.5, deep = r.overlap > q.a.roundness + q.o.roundness;
+  if (done && !deep) {
+    r.normal = shapes::to_space(q.a.turn, {out(0), out(1), out(2)});
+    r.arm = shapes::to_space(q.a.turn, {out(4), out(5), out(6)}) - (share * r.overlap) * r.normal;
+    return r;
+  }
+  shapes::PairMemory memory;
+  memory.known = norm2(q.before) > 0;
+  memory.normal = shapes::to_body(q.a.turn, q.before);
+  shapes::PairCount count;
+  const shapes::PairContact c = shapes::solve_pair(q.a.body({}), q.o.body(q.d), memory, count);
+  return {c.normal, c.overlap, c.point + ((0.5 - share) * c.overlap) * c.normal};
+}
+
+void ShapedContacts::give_apart(int k, BlockBuffers& buffers) const {  // nothing that the law could stumble over
+  const double x[4] = {0, 0, k_far_away, 1e-9}, g[4] = {0, k_far_inverse, 1, 0};
+  for (int q = 0; q < 4; ++q) buffers.x[q][k] = x[q], buffers.g[q][k] = g[q];
+  for (int q = 0; q < 7; ++q) buffers.r[q][k] = 0;
+  buffers.r[7][k] = 1;
+  buffers.reff[k] = 1;
+}
+
+/// Geometry and motion of the contact at the middle of the step, as of two points that meet.
+void ShapedContacts::give(int lane, std::int64_t at, const ShapedLanes& lanes, BlockBuffers& buffers) {
+  const ShapedLane& q = lanes.lane[lane];
+  const int k = q.k;
+  const Answer r = answer(lane, lanes);
+  const double sign = q.swapped ? -1 : 1, dt = rules_.scene.dt;
+  const bool touch = r.overlap > 0;
+  kind_[k] = touch ? Kind::touch : Kind::apart;
+  const Vec3 n = r.normal, arm_a = r.arm, arm_o = r.arm - q.d;
+  Column<double>* h = c_.contacts.h + rules_.has.law_columns;
+  const auto slot = static_cast<std::size_t>(at);
+  for (int m = 0; m < 3; ++m) {
+    h[m][slot] = sign * n[m];
+    h[3 + m][slot] = touch ? arm_a[m] + arm_o[m] : 0;
+  }
+  c_.scratch->depth[slot] = touch ? r.overlap / fmin2(q.a.inner, q.o.inner) : 0;
+  if (!touch) {
+    ++c_.contacts.apart[at >= c_.contacts.end[0] && at < c_.contacts.end[1] ? 0 : 1];
+    return give_apart(k, buffers);
+  }
+  const Row i = c_.scratch->ci[slot], j = c_.scratch->cj[slot];
+  judge_depth(at, i, j, r.overlap, fmin2(q.a.inner, q.o.inner));
+  Vec3 mid_a = arm_a, mid_o = arm_o, c = n;
+  if (norm2(q.sum) > 0) {
+    const Vec3 d = q.d - dt * (q.o.v - q.a.v);
+    mid_a = 0.5 * (arm_a + 0.5 * (q.sum + d));
+    mid_o = 0.5 * (arm_o + 0.5 * (q.sum - d));
+    c = n + q.before;
+    c = (1 / norm(c)) * c;
+  }
+  const Vec3 v = (q.a.v + cross(q.a.w, mid_a)) - (q.o.v + cross(q.o.w, mid_o));
+  const double along = dot(v, c);
+  Vec3 t = v - along * c;
+  t = t - dot(t, n) * n;
+  const Vec3 relative = sign * (along * n + t), normal = -sign * n;
+  const double answer_a = answer_of(q.a, arm_a, n), answer_o = answer_of(q.o, arm_o, n), both = answer_a + answer_o,
+               ms = both > 0 ? both : 1;
+  for (int m = 0; m < 3; ++m) {
+    buffers.x[m][k] = k_far_away * normal[m];
+    buffers.r[m][k] = relative[m];
+    buffers.r[4 + m][k] = 0;
+  }
+  buffers.x[3][k] = r.overlap;
+  buffers.r[3][k] = 0;
+  buffers.r[7][k] = ms;
+  const double g[4] = {0, k_far_inverse, 1 / ms, 0};
+  for (int m = 0; m < 4; ++m) buffers.g[m][k] = g[m];
+  if (rules_.has.reff) {
+    const double ra = hertz_radius_of(q.a, n), ro = hertz_radius_of(q.o, -n);
+    buffers.reff[k] = (ra * ro) / (ra + ro);
+  }
+  arm_i_[k] = q.swapped ? arm_o : arm_a;
+  arm_j_[k] = q.swapped ? arm_a : arm_o;
+  const double weight_a = weight_of(q.a, answer_a), weight_o = weight_of(q.o, answer_o);
+  weight_i_[k] = q.swapped ? weight_o : weight_a;
+  weight_j_[k] = q.swapped ? weight_a : weight_o;
+}
+
+void ShapedContacts::prepare(std::int64_t k0, Block& b, BlockBuffers& buffers) {
+  ShapedLanes& lanes = *c_.scratch->lanes;
+  lanes.n = 0;
+  for (int k = 0; k < b.n; ++k) {
+    const auto at = static_cast<std::size_t>(k0 + k);
+    const Row i = c_.scratch->ci[at], j = c_.scratch->cj[at];
+    kind_[k] = Kind::spheres;
+    c_.scratch->depth[at] = -1;
+    if (superquadric_of(rules_, rows_, i) != nullptr || superquadric_of(rules_, rows_, j) != nullptr) {
+      queue(k, k0 + k, i, j, b, lanes);
+      continue;
+    }
+    const double ri = rows_.p[4L * i + 3], rj = rows_.p[4L * j + 3];
+    judge_depth(k0 + k, i, j, b.w[k] - b.g[0][k], fmin2(ri, rj));
+  }
+  solve_lanes(rules_, lanes);
+  for (int lane = 0; lane < lanes.n; ++lane) give(lane, k0 + lanes.lane[lane].k, lanes, buffers);
+}
+
+void ShapedContacts::settle(const Block& b) const {
+  for (int k = 0; k < b.n; ++k) {
+    if (touches(k)) continue;
+    for (int q = 0; q < 8; ++q) b.r[q][k] = 0;
+    for (int q = 0; q < rules_.has.law_columns; ++q) b.h[q][k] = 0;
+    for (int q = 0; q < 3; ++q) b.e[q][k] = 0;
+  }
+}
+
+void ShapedContacts::scatter(const ScatterArgs& to, const Block& b) const {
+  const auto add = [&](Row row, Vec3 force, double stiffness, Vec3 torque, double press) {
+    double* f = to.f + 8L * row;
+    for (int q = 0; q < 3; ++q) f[q] = f[q] + force[q], f[4 + q] = f[4 + q] + torque[q];
+    f[3] = f[3] + stiffness;
+    f[7] = f[7] + press;
+  };
+  for (int k = 0; k < to.n; ++k) {
+    if (!touches(k)) continue;
+    const Row i = to.i[k], j = to.j[k];
+    const bool both = k >= to.both_from && k < to.both_to;
+    const Vec3 force{b.r[0][k], b.r[1][k], b.r[2][k]};
+    if (!shaped(k)) {
+      const Vec3 turn{b.r[4][k], b.r[5][k], b.r[6][k]};
+      add(i, force, b.r[3][k], turn, b.r[7][k]);
+      if (both) add(j, -force, b.r[3][k], turn, b.r[7][k]);
+      continue;
+    }
+    const auto over_radius = [&](Row row, Vec3 torque) { return (1 / rows_.p[4L * row + 3]) * torque; };
+    add(i, force, weight_i_[k] * b.r[3][k], over_radius(i, cross(arm_i_[k], force)), b.r[7][k]);
+    if (both) add(j, -force, weight_j_[k] * b.r[3][k], over_radius(j, cross(arm_j_[k], -force)), b.r[7][k]);
+  }
+}
+
+}  // namespace talus

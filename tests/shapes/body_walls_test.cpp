@@ -1,0 +1,120 @@
+// Superquadrics at planes, boxes and meshes: a ball meets them as a sphere does; nothing jumps at seams and edges.
+#include "core/shapes/body_walls.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/scene/scene_file.hpp"
+#include "tests/shapes/shape_support.hpp"
+
+namespace talus::shapes {
+namespace {
+
+using testing::Draw;
+
+/// A floor, a block on it and a ramp of a thin block that leans on nothing.
+Scene scene_of() {
+  return parse_scene(
+      "gravity = [0, 0, 0]\n[domain]\nlower = [0, 0, 0]\nupper = [20, 20, 20]\n[time]\nstep = 1e-5\nduration = "
+      "1\n[[material]]\nname = \"m\"\ndensity = 1\n[contact]\nnormal_stiffness = 1\nrestitution = 1\nfriction = 0\n"
+      "[[wall]]\nname = \"block\"\nshape = \"box\"\nlower = [6, 6, 0]\nupper = [12, 13, 4]\n[[wall]]\nname = "
+      "\"plate\"\nshape = \"box\"\nlower = [14, 3, 5]\nupper = [17, 15, 5.4]\n[[source]]\nkind = \"random\"\nnumber = "
+      "1\n[source.region]\nlower = [1, 1, 8]\nupper = [5, 5, 12]\n[source.size]\ndiameter = 1\n",
+      "test", "", {});
+}
+
+struct Walls {
+  WallSet set;
+  Walls() : set(scene_of(), 4, 4) { set.set_step(0, 1e-5); }
+  std::vector<BodyWallContact> contacts(const Body& body, double bound) const {
+    std::vector<std::int32_t> near;
+    set.candidates(body.centre, bound, near);
+    std::vector<BodyWallContact> out;
+    body_wall_contacts(body, bound, set, near, {}, out);
+    return out;
+  }
+};
+
+TEST(BodyWalls, BallMeetsThemAsASphereDoes) {
+  const Walls walls;
+  Draw draw(5);
+  Superquadric ball;
+  int compared = 0, several = 0, edges = 0;
+  for (int k = 0; k < 20000; ++k) {
+    const Vec3 c{draw.uniform(0.2, 19.8), draw.uniform(0.2, 19.8), draw.uniform(0.2, 8)};
+    std::vector<std::int32_t> near;
+    walls.set.candidates(c, 1, near);
+    talus::WallContact sphere[WallSet::k_max_contacts];
+    const int n = walls.set.contacts(c, 1, near, sphere);
+    bool shallow = n > 0;
+    for (int q = 0; q < n; ++q) shallow = shallow && sphere[q].distance > 0.5;
+    if (!shallow) continue;  // in a wall, or far from all
+    const auto found = walls.contacts(make_body(ball, 1, c, draw.turn()), 1);
+    ++compared;
+    several += n > 1;
+    ASSERT_EQ(found.size(), static_cast<std::size_t>(n)) << c.x << " " << c.y << " " << c.z;
+    for (int q = 0; q < n; ++q) {
+      const talus::WallContact& a = found[static_cast<std::size_t>(q)].contact;
+      EXPECT_EQ(a.wall, sphere[q].wall);
+      EXPECT_NEAR(a.distance, sphere[q].distance, 2e-9);
+      EXPECT_LT(norm(a.normal - sphere[q].normal), 1e-6);
+      edges += std::fabs(a.normal.x) < 0.99 && std::fabs(a.normal.y) < 0.99 && std::fabs(a.normal.z) < 0.99;
+      const Vec3 arm = found[static_cast<std::size_t>(q)].arm;
+      EXPECT_LT(norm(arm + a.distance * a.normal), 1e-7);
+    }
+  }
+  EXPECT_GT(compared, 2000);
+  EXPECT_GT(several, 200);
+  EXPECT_GT(edges, 100);
+}
+
+/// Sum of overlap times normal, as a force of stiffness 1, and the torque of it.
+struct Load {
+  Vec3 force, torque;
+  int contacts = 0;
+};
+Load load_at(const Walls& walls, const Superquadric& s, Quaternion turn, Vec3 c) {
+  Load l;
+  for (const BodyWallContact& w : walls.contacts(make_body(s, smallest_radius(s), c, turn), bounding_radius(s))) {
+    const Vec3 f = (bounding_radius(s) - w.contact.distance) * w.contact.normal;
+    l.force = l.force + f;
+    l.torque = l.torque + cross(w.arm, f);
+    ++l.contacts;
+  }
+  return l;
+}
+
+TEST(BodyWalls, NothingJumpsWhereABodySlidesOverSeamsAndEdges) {
+  const Walls walls;
+  Draw draw(9);
+  int met = 0;
+  for (int k = 0; k < 8; ++k) {
+    Superquadric s = draw.shape(2, k % 2 == 0 ? 2.0 : 4.0, 2);
+    const Quaternion turn = draw.turn();
+    // sinks 0.01 deep over the top of the block: along its diagonal, where two facets meet, and out over an edge
+    const Body upright = make_body(s, 1, {}, turn);
+    const Vec3 m = to_body(upright.turn, {0, 0, -1});
+    const double height = 4 + support_point(s, m).h - 0.01;
+    const Vec3 from{9, 9.4, height}, to{draw.uniform(12.5, 14), draw.uniform(7, 12), height};
+    constexpr int k_steps = 400;
+    const double step = norm(to - from) / k_steps;
+    Load last = load_at(walls, s, turn, from);
+    EXPECT_EQ(last.contacts, 1);
+    EXPECT_NEAR(last.force.z, 0.01, 1e-9);
+    double leap = 0, twist = 0;
+    for (int i = 1; i <= k_steps; ++i) {
+      const Load now = load_at(walls, s, turn, from + (static_cast<double>(i) / k_steps) * (to - from));
+      leap = fmax2(leap, norm(now.force - last.force));
+      twist = fmax2(twist, norm(now.torque - last.torque));
+      last = now;
+    }
+    met += last.contacts == 0;
+    EXPECT_LT(leap, 3 * step) << k;
+    EXPECT_LT(twist, 6 * step) << k;
+  }
+  EXPECT_GT(met, 3) << "some have left the block";
+}
+
+}  // namespace
+}  // namespace talus::shapes

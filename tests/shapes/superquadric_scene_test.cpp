@@ -1,0 +1,299 @@
+// Superquadrics in a scene: what a ball, a wall, a collision, a mesh and an edge make of them.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "core/base/error.hpp"
+#include "core/scene/scene_file.hpp"
+#include "paths.hpp"
+#include "scheduler/step/access.hpp"
+
+namespace talus {
+namespace {
+
+struct Words {
+  std::string head = "gravity = [0, 0, 0]", boundary = "\"open\"",
+              law = "normal_stiffness = 2000\nfriction = 0.4\ntangential_stiffness = 800", shape, restitution = "0.7",
+              rest, material = "density = 2000";
+  double dt = 1e-5;
+};
+
+std::string superquadric(const std::string& name, const std::string& axes, const std::string& exponents = {}) {
+  return "[[shape]]\nname = \"" + name + "\"\nkind = \"superquadric\"\nsemi_axes = " + axes + "\n" +
+         (exponents.empty() ? "" : "exponents = " + exponents + "\n");
+}
+
+Scene scene_of(const Words& w) {
+  return parse_scene(w.head +
+                         "\nseed = 3\nsort_every = 300\n[domain]\nlower = [0, 0, 0]\nupper = [0.05, 0.05, "
+                         "0.05]\nboundary = " +
+                         w.boundary + "\n[time]\nstep = " + fmt::format("{:.9g}", w.dt) +
+                         "\nduration = 1\n[[material]]\nname = \"m\"\n" + w.material +
+                         "\n[contact]\nrestitution = " + w.restitution + "\n" + w.law + "\n" + w.shape + w.rest,
+                     "test", "", {});
+}
+
+std::string source(const std::string& name, int number, const std::string& lower, const std::string& upper,
+                   const std::string& more, const std::string& size = {}) {
+  std::string s = "[[source]]\nname = \"" + name + "\"\nkind = \"random\"\nnumber = " + std::to_string(number) + "\n" +
+                  more + "\n[source.region]\nlower = " + lower + "\nupper = " + upper + "\n";
+  return size.empty() ? s : s + "[source.size]\ndiameter = " + size + "\n";
+}
+
+const Bodies& bodies_of(Simulation& sim) { return EngineAccess::world(sim).rows.bodies; }
+const Rules& rules_of(Simulation& sim) { return EngineAccess::world(sim).rules; }
+
+struct Sums {
+  Vec3 momentum, angular;
+  double energy = 0, mass = 0;
+};
+/// Of bodies that no side has wrapped, about the domain's corner.
+Sums sums_of(Simulation& sim) {
+  Sums s;
+  const Bodies& b = bodies_of(sim);
+  for (std::int32_t k = 0; k < b.n; ++k) {
+    const Vec3 v{b.v[4L * k], b.v[4L * k + 1], b.v[4L * k + 2]};
+    s.momentum = s.momentum + b.mass(k) * v;
+    s.angular = s.angular + b.mass(k) * cross(b.centre(k), v) + momentum_in_space(rules_of(sim), b, k);
+    s.energy += 0.5 * b.mass(k) * norm2(v) + rotation_energy(rules_of(sim), b, k);
+    s.mass += b.mass(k);
+  }
+  return s;
+}
+
+TEST(Superquadric, CollisionsKeepMomentumAndAngularMomentum) {
+  for (const char* law : {"normal_stiffness = 2000\nfriction = 0.4\ntangential_stiffness = 800",
+                          "model = \"hertz_mindlin\"\nfriction = 0.4"}) {
+    Words w;
+    w.law = law;
+    w.material = "density = 2000\nyoung = 5e6\npoisson = 0.3";
+    w.shape = superquadric("one", "[0.003, 0.002, 0.001]") + superquadric("two", "[0.002, 0.002, 0.002]", "[5, 4]");
+    w.rest = source("a", 20, "[0.01, 0.01, 0.01]", "[0.04, 0.04, 0.04]", "shape = \"one\"\nvelocity_jitter = 1.5") +
+             source("b", 20, "[0.01, 0.01, 0.01]", "[0.04, 0.04, 0.04]", "shape = \"two\"\nvelocity_jitter = 1.5");
+    Simulation sim(scene_of(w), {});
+    sim.run(1);
+    const Sums before = sums_of(sim);
+    std::int64_t met = 0;
+    for (int k = 0; k < 40; ++k) {
+      sim.run(10);
+      met += sim.counters().contacts;
+    }
+    const Sums after = sums_of(sim);
+    EXPECT_EQ(sim.particles(), 40);
+    EXPECT_GT(met, 5);
+    EXPECT_LT(after.energy, 0.97 * before.energy);
+    EXPECT_LT(norm(after.momentum - before.momentum), 1e-13 * before.mass);
+    EXPECT_LT(norm(after.angular - before.angular), 1e-13 * before.mass * 0.05);
+  }
+}
+
+TEST(Superquadric, BallMovesAsASphere) {
+  for (const char* law : {"normal_stiffness = 2000\nfriction = 0.4\ntangential_stiffness = 800",
+                          "model = \"hertz_mindlin\"\nfriction = 0.4"}) {
+    Words w;
+    w.head = "gravity = [1, 0, -9.81]";
+    w.boundary = "\"wall\"";
+    w.law = law;
+    w.material = "density = 2000\nyoung = 5e6\npoisson = 0.3";
+    const char* region = "[0.005, 0.005, 0.005]";
+    w.shape = superquadric("ball", "[0.001, 0.001, 0.001]");
+    w.rest = source("grains", 130, region, "[0.045, 0.045, 0.03]", "shape = \"ball\"\nvelocity = [0.1, 0, 0]", "0.005");
+    Simulation shaped(scene_of(w), {});
+    w.shape = "";
+    w.rest = source("grains", 130, region, "[0.045, 0.045, 0.03]", "velocity = [0.1, 0, 0]", "0.005");
+    Simulation sphere(scene_of(w), {});
+    for (Simulation* s : {&shaped, &sphere}) s->run(4000);
+    const Frame a = shaped.frame(), b = sphere.frame();
+    ASSERT_EQ(a.id.size(), b.id.size());
+    EXPECT_GT(sphere.counters().contacts, 2);
+    EXPECT_EQ(sphere.counters().contacts, shaped.counters().contacts);
+    EXPECT_EQ(sphere.counters().wall_contacts, shaped.counters().wall_contacts);
+    double way = 0, turn = 0;
+    for (std::size_t k = 0; k < a.id.size(); ++k) {
+      way = fmax2(way, norm(a.x[k] - b.x[k]));
+      turn = fmax2(turn, norm(a.w[k] - b.w[k]));
+    }
+    EXPECT_LT(way, 1e-7);
+    EXPECT_LT(turn, 0.03);
+    std::printf("largest difference %.2g m, %.2g rad/s\n", way, turn);
+  }
+}
+
+// J = -(1 + e) v_n / (1/m + (r x n) I^-1 (r x n)): semi-axes 2, 1, 1, tilted by 45 degrees, v_z = -1 gives
+// v_z' = 0.052632 and a spin of 0.998614, in units of the short axis.
+TEST(Superquadric, EllipsoidLeavesAPlaneAsItsImpulseSays) {
+  for (const bool mesh : {false, true}) {
+    Words w;
+    w.boundary = mesh ? "\"open\"" : "\"wall\"";
+    w.law = "friction = 0\nnormal_stiffness = 2e6";
+    w.restitution = "1.0";
+    w.dt = 2e-7;
+    w.shape = superquadric("egg", "[0.001, 0.001, 0.002]");
+    w.rest = source("one", 1, "[0.02, 0.02, 0.0016]", "[0.027, 0.027, 0.0066]",
+                    "shape = \"egg\"\nvelocity = [0, 0, -1]\norientation = \"fixed\"\norientation_axis = [1, 0, 1]");
+    if (mesh)
+      w.rest +=
+          "[[wall]]\nname = \"floor\"\nshape = \"box\"\nlower = [0.001, 0.001, 0.0002]\nupper = [0.049, 0.049, "
+          "0.0004]\n";
+    Simulation sim(scene_of(w), {});
+    bool met = false;
+    for (int k = 0; k < 400; ++k) {
+      sim.run(50);
+      const bool touches = sim.counters().wall_contacts > 0;
+      if (met && !touches) break;
+      met = met || touches;
+    }
+    ASSERT_TRUE(met);
+    const Vec3 spin = angular_velocity(rules_of(sim), bodies_of(sim), 0);
+    EXPECT_NEAR(bodies_of(sim).v[2], 0.052632, 5e-3) << mesh;
+    EXPECT_NEAR(std::fabs(spin.y), 998.614, 5) << mesh;
+    EXPECT_NEAR(norm(spin), std::fabs(spin.y), 1e-6);
+    const Sums s = sums_of(sim);
+    EXPECT_NEAR(s.energy / (0.5 * s.mass), 1, 2e-3);
+  }
+}
+
+/// Relative change of the energy of pairs that meet without friction or damping, spin included.
+double energy_error(double dt, int seed) {
+  Words w;
+  w.law = "friction = 0\nnormal_stiffness = 2000";
+  w.restitution = "1.0";
+  w.dt = dt;
+  w.head = "gravity = [0, 0, 0]\n";
+  w.shape = superquadric("one", "[0.003, 0.002, 0.0015]", "[3, 2.5]") + superquadric("two", "[0.002, 0.0015, 0.003]");
+  w.rest =
+      source("a", 1, "[0.015, 0.02, 0.02]", "[0.0231, 0.0281, 0.0281]", "shape = \"one\"\nvelocity = [0.5, 0, 0]") +
+      source("b", 1, "[0.024, 0.02, 0.02]", "[0.0321, 0.0281, 0.0281]", "shape = \"two\"");
+  Scene s = scene_of(w);
+  s.seed = static_cast<std::uint64_t>(seed);
+  Simulation sim(s, {});
+  sim.run(1);
+  const double before = sums_of(sim).energy;
+  bool met = false;
+  const auto chunk = static_cast<std::int64_t>(1e-4 / dt + 0.5);
+  for (int k = 0; k < 800; ++k) {
+    sim.run(chunk);
+    const bool touches = sim.counters().contacts > 0;
+    if (met && !touches) break;
+    met = met || touches;
+  }
+  EXPECT_TRUE(met) << seed;
+  EXPECT_GT(norm(angular_velocity(rules_of(sim), bodies_of(sim), 0)), 1) << seed;
+  return std::fabs(sums_of(sim).energy / before - 1);
+}
+
+TEST(Superquadric, ElasticCollisionsKeepTheirEnergyToSecondOrder) {
+  // the instants of touch lie anywhere in a step: means over several collisions
+  double coarse = 0, fine = 0;
+  for (int seed = 3; seed < 13; ++seed) {
+    coarse += 0.1 * energy_error(6.25e-6, seed);
+    fine += 0.1 * energy_error(1.5625e-6, seed);  // some 300 steps per contact
+  }
+  std::printf("energy error %.2g at 6.25e-6 s, %.2g at 1.5625e-6 s\n", coarse, fine);
+  EXPECT_LT(fine, 4e-6);
+  EXPECT_LT(fine, coarse / 8);
+}
+
+TEST(Superquadric, EnergyLedgerClosesOfAMixedScene) {
+  Words w;
+  w.head = "gravity = [0, 0, -9.81]";
+  w.boundary = "\"wall\"";
+  w.shape = superquadric("egg", "[0.002, 0.0015, 0.0015]") +
+            superquadric("dice", "[0.0015, 0.0015, 0.0015]", "[6, 6]") +
+            "[[shape]]\nname = \"rod\"\nspheres = [0, 0, -0.002, 0.002, 0, 0, 0, 0.002, 0, 0, 0.002, 0.002]\n";
+  const char *low = "[0.002, 0.002, 0.002]", *high = "[0.048, 0.048, 0.048]";
+  w.rest = source("eggs", 40, low, high, "shape = \"egg\"\nvelocity_jitter = 0.5") +
+           source("dice", 30, low, high, "shape = \"dice\"\nvelocity_jitter = 0.5") +
+           source("rods", 30, low, high, "shape = \"rod\"\nvelocity_jitter = 0.5") +
+           source("balls", 30, low, high, "velocity_jitter = 0.5", "0.004") +
+           "[output]\nenergies = true\n[damping]\nviscous = 0.2\n";
+  Simulation sim(scene_of(w), {});
+  EXPECT_EQ(sim.particles(), 130);
+  sim.run(10000);
+  const Energies e = sim.energies();
+  const double turned = e.dissipated_damping + e.dissipated_friction + e.dissipated_background;
+  EXPECT_GT(e.dissipated_friction, 0.01 * turned);
+  EXPECT_LT(std::fabs(e.residual), 3e-3 * turned) << "of " << turned;
+}
+
+TEST(Superquadric, LieInABoxAtTheHeightOfTheirShortestAxis) {
+  Words w;
+  w.head = "gravity = [0, 0, -9.81]";
+  w.boundary = "\"wall\"";
+  w.restitution = "0.3";
+  w.shape = superquadric("lens", "[0.003, 0.002, 0.001]");
+  w.rest = source("one", 1, "[0.02, 0.02, 0.0001]", "[0.03, 0.03, 0.0071]", "shape = \"lens\"") +
+           "[damping]\nviscous = 20\n";
+  Simulation sim(scene_of(w), {});
+  sim.run(60000);
+  const double sag = bodies_of(sim).mass(0) * 9.81 / 2000;
+  EXPECT_NEAR(bodies_of(sim).centre(0).z, 0.001 - sag, 2e-6);
+  EXPECT_LT(norm(angular_velocity(rules_of(sim), bodies_of(sim), 0)), 0.5);
+}
+
+// The case, with fewer grains that come faster.
+TEST(Superquadric, LentilsOfTheCasePourOntoTheirPlate) {
+  const Scene scene = load_scene(std::string(TALUS_SOURCE_DIR) + "/cases/shapes/lentil-heap.toml",
+                                 {"source.0.number=60", "source.0.number_rate=1500", "time.steps=20000"});
+  Simulation sim(scene, {});
+  sim.run(20000);
+  EXPECT_EQ(sim.counters().inserted, 60);
+  EXPECT_GT(sim.counters().wall_contacts, 20);
+  EXPECT_TRUE(sim.warnings().empty()) << sim.warnings().front().text;
+  const Frame f = sim.frame({.contacts = true});
+  ASSERT_FALSE(f.bodies.empty());
+  for (const BodyRecord& b : f.bodies) {
+    EXPECT_GT(b.x.z, 0.0007) << b.id;
+    EXPECT_NEAR(b.semi_axes.x / b.semi_axes.z, 2.4 / 1.1, 1e-12);
+  }
+  for (const ContactRecord& c : f.contacts) EXPECT_LT(c.overlap, 1.1e-4);
+  const Energies e = sim.energies();
+  const double turned = e.dissipated_damping + e.dissipated_friction;
+  EXPECT_LT(std::fabs(e.residual), 0.02 * turned) << "of " << turned;
+}
+
+std::string refusal(const Words& w) {
+  try {
+    Simulation sim(scene_of(w), {});
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+TEST(Superquadric, WhatCannotBeRightIsRefused) {
+  const std::string use = source("some", 1, "[0.01, 0.01, 0.01]", "[0.04, 0.04, 0.04]", "shape = \"s\"");
+  const auto with = [&](const std::string& shape, const std::string& rest, const std::string& law = {}) {
+    Words w;
+    w.shape = "[[shape]]\nname = \"s\"\nkind = \"superquadric\"\n" + shape;
+    w.rest = rest;
+    w.law += law;
+    return refusal(w);
+  };
+  const auto says = [](const std::string& text, const std::string& word) {
+    return text.find(word) != std::string::npos ? "" : text;
+  };
+  const std::string good = "semi_axes = [0.002, 0.001, 0.001]\n";
+  EXPECT_EQ(with(good, use), "accepted");
+  EXPECT_EQ(with(good + "exponents = [20, 2]\n", use), "accepted");
+  EXPECT_EQ(says(with("", use), "semi_axes"), "");
+  EXPECT_EQ(says(with("semi_axes = [0.002, 0.001]\n", use), "semi_axes"), "");
+  EXPECT_EQ(says(with("semi_axes = [0.002, 0.001, 0]\n", use), "semi_axes"), "");
+  EXPECT_EQ(says(with("semi_axes = [0.2, 0.001, 0.001]\n", use), "differ"), "");
+  EXPECT_EQ(says(with(good + "exponents = [1.5, 2]\n", use), "exponents"), "");
+  EXPECT_EQ(says(with(good + "exponents = [2]\n", use), "exponents"), "");
+  EXPECT_EQ(says(with(good + "spheres = [0, 0, 0, 1]\n", use), "spheres"), "");
+  EXPECT_EQ(says(with(good, use, "\nrolling = \"cdt\"\nrolling_friction = 0.1"), "rolling"), "");
+  EXPECT_EQ(says(with(good, use, "\ncohesion = \"sjkr\"\ncohesion_energy = 10"), "cohesion"), "");
+  EXPECT_EQ(says(with(good, use, "\ntwisting_friction = 0.1"), "twist"), "");
+  EXPECT_EQ(says(with(good, use + "[output]\nstress = true\n"), "stress"), "");
+  EXPECT_EQ(says(with(good, use + "[[wall]]\nname = \"t\"\nshape = \"cylinder\"\npoint = [0.02, 0.02, 0]\naxis = [0, "
+                                  "0, 1]\nlength = 0.04\nradius = 0.02\n"),
+                 "cylinder"),
+            "");
+}
+
+}  // namespace
+}  // namespace talus
