@@ -152,7 +152,6 @@ void Step<S>::finish() {
   S::store(cell(place_.surface), surface_);
   S::store(cell(place_.carried), carried_ / dt_);
   put(k_out_surface, surface_);
-  put(k_out_capacity, ld(w_.capacity, n - 1));
   add(k_out_reaction, reaction_);
   add(k_out_with_gas, with_gas_);
   put(k_out_mass, (got(k_out_moisture) + got(k_out_fuel)) + (got(k_out_char) + got(k_out_ash)));

@@ -162,7 +162,7 @@ enum BedOut : int {
   k_out_ash,
   k_out_outside,       ///< surface temperature at which it would be in balance with its partners too [K]
   k_out_excess,        ///< step over the time that heat takes through a shell that still holds fuel, the largest
-  k_out_capacity,      ///< of the outermost shell [J/K]
+  k_out_capacity,      ///< heat into the surface over the rise of the outermost shell that it makes in the step [J/K]
   k_out_inner,         ///< conductance from its middle to the surface [W/K]
   k_out_conductivity,  ///< of the outermost shell [W/m/K]
   k_out_emissivity,

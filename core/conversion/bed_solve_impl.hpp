@@ -13,6 +13,7 @@ void Step<S>::solve() {
     const B above = last ? loss_ : ld(w_.conductance, i + 1), own = ld(w_.capacity, i) - ld(w_.slope, i);
     B lower = below;
     if (m.convects != 0 && i > 0) lower = lower + ld(w_.flow, i - 1);
+    if (last) put(k_out_capacity, own + above + below * (one - upper));
     B diagonal = own + lower + above, next = last ? zero : above;
     B known = own * ld(T_, i) + ld(debt, i) + ld(w_.heat, i);
     if (last) known = known + gain_;

@@ -44,7 +44,7 @@ class GrainHeat {
 
 /// The outermost shell of a grain.
 struct GrainSurface {
-  double capacity = 0;      ///< [J/K]
+  double capacity = 0;      ///< heat that it takes per rise in a step, with what passes on inwards [J/K]
   double inner = 0;         ///< conductance from the middle of the shell to the surface [W/K]
   double conductivity = 0;  ///< [W/m/K]
   double emissivity = 0;

@@ -92,9 +92,11 @@ class GasPart final : public Part, public GasCells {
                      {{"gas work"}},
                      1,
                      [this](const PartView& w, const Chunk&) { add_work(w); }});
+    std::vector<Access> reads{{"p"}, {"v"}};
+    if (thermal_) reads.push_back({"temperature"});
     all.push_back({"gas_step",
                    PartNode::When::step,
-                   {{"p"}, {"v"}, {"temperature"}},
+                   reads,
                    {{"gas"}, {"gas force"}, {"gas heat"}, {"gas around"}},
                    scene_.gas.every,
                    [this](const PartView& w, const Chunk&) { step(w); }});

@@ -117,6 +117,8 @@ class Heat final : public Part, public GrainHeat {
                                {{"temperature"}, {"enthalpy"}},
                                s_.scene.every,
                                [this](const PartView& w, const Chunk&) { heat_step(s_, w); }}};
+    if (std::find(s_.shells.begin(), s_.shells.end(), 1) != s_.shells.end())
+      for (PartNode& n : all) n.reads.push_back({"grain surface", true});
     if (s_.scene.friction)
       all.push_back({"heat_friction",
                      PartNode::When::rows,

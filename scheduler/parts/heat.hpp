@@ -65,6 +65,9 @@ struct HeatState {
   double middle(const PartView& w) const;  ///< time of the present heat step's middle [s]
   int material(const PartView& w, Row i) const;
   bool has_shells(const PartView& w, Row i) const { return shells[static_cast<std::size_t>(material(w, i))] != 0; }
+  /// Heat step over the longest in which row i cannot overshoot: dt times its conductance over the capacity that
+  /// follows at once; of a grain with shells that of the outermost one, behind half of it.
+  double excess(const PartView& w, const GrainInside* inside, Row i) const;
   /// Of the surface; `inside`: null without grains that have shells.
   double conductivity(const PartView& w, const GrainInside* inside, Row i) const;
   double emissivity(const PartView& w, const GrainInside* inside, Row i) const;

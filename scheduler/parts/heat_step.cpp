@@ -70,15 +70,6 @@ class HeatStep {
   double radius(Row i) const { return w_.rows.p[4L * i + 3]; }
   double surface(Row i) const { return 4 * det::k_pi * (radius(i) * radius(i)); }
   bool has_shells(Row i) const { return inside_ != nullptr && s_.has_shells(w_, i); }
-  /// dt times the conductance over the capacity that follows it at once: of a grain with shells its outermost one,
-  /// behind half of that shell.
-  double excess(Row i) const {
-    const double g = s_.conductance[static_cast<std::size_t>(i)];
-    if (!has_shells(i)) return dt_ * g / (mass_of(w_.rules, w_.rows, i) * matter(i).least_capacity);
-    const GrainSurface shell = inside_->surface(i);
-    return g > 0 ? dt_ * (g * shell.inner / (g + shell.inner)) / shell.capacity : 0;
-  }
-
   /// Something acts without touching.
   bool reaches() const { return s_.scene.gap.conductivity > 0 || s_.scene.radiation.grains; }
   bool fixed(Row i) const { return w_.rules.has.fixed && w_.rows.fixed[i] != 0; }
@@ -240,7 +231,7 @@ class HeatStep {
                                                 heat::radiant_slope(s_.temperature[at], enclosure),
                                             enclosure);
       if (s_.any_held && s_.held[at] > 0) return;
-      const double beyond = excess(i);
+      const double beyond = s_.excess(w_, inside_, i);
       if (!(beyond <= sum.excess)) sum.excess = beyond, sum.worst = i;
     });
   }
@@ -255,7 +246,8 @@ class HeatStep {
         {w_.rows.id[worst->worst]},
         fmt::format("the heat step of {:.6g} s is too long for grain {}: it would overshoot what surrounds it", dt_,
                     w_.rows.id[worst->worst]),
-        most >= 1 ? fmt::format("heat.every = {} at most", static_cast<std::int64_t>(most))
+        most >= 1 ? fmt::format("heat.every = {} at most{}", static_cast<std::int64_t>(most),
+                                gas_ != nullptr || inside_ != nullptr ? ", with it that of conversion and gas" : "")
                   : fmt::format("heat.every = 1 and time.step = {:.3g} at most", most * w_.rules.scene.dt));
   }
 
@@ -358,6 +350,13 @@ GasNear given_gas(const HeatState& s, const PartView& w, Row i) {
   return gas;
 }
 
+double HeatState::excess(const PartView& w, const GrainInside* inside, Row i) const {
+  const double g = conductance[static_cast<std::size_t>(i)];
+  if (inside == nullptr || !has_shells(w, i))
+    return dt(w) * g / (mass_of(w.rules, w.rows, i) * matter[static_cast<std::size_t>(material(w, i))].least_capacity);
+  const GrainSurface shell = inside->surface(i);
+  return g > 0 ? dt(w) * (g * shell.inner / (g + shell.inner)) / shell.capacity : 0;
+}
 double HeatState::conductivity(const PartView& w, const GrainInside* inside, Row i) const {
   if (inside != nullptr && has_shells(w, i)) return inside->surface(i).conductivity;
   return matter[static_cast<std::size_t>(material(w, i))].conductivity.at(temperature[static_cast<std::size_t>(i)]);

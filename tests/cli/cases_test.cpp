@@ -116,11 +116,10 @@ TEST_F(Cases, FrontOfAKnownMotionIsExact) {
 // ---- levelling ----
 TEST_F(Cases, RecoaterLeavesALayerNotHigherThanItsGap) {
   ASSERT_EQ(make("levelling/make_levelling.py", "small"), 0) << read("log");
-  const Result r =
-      run("levelling/small.toml", {"wall.1.file=" + made("blade-small.stl"), "source.0.number=600",
-                                   "source.0.region.upper=[0.00165,0.0003,0.00025]", "wall.1.motion.start=0.002",
-                                   "wall.1.motion.velocity=[0.3,0,0]", "time.duration=0.011",
-                                   "output.particles_every=0.011"});
+  const Result r = run("levelling/small.toml",
+                       {"wall.1.file=" + made("blade-small.stl"), "source.0.number=600",
+                        "source.0.region.upper=[0.00165,0.0003,0.00025]", "wall.1.motion.start=0.002",
+                        "wall.1.motion.velocity=[0.3,0,0]", "time.duration=0.011", "output.particles_every=0.011"});
   ASSERT_EQ(r.exit_code, 0) << r.err;
   // The blade is at 3.05 mm: behind it, from 0.8 to 1.6 mm, lies at rest what it left.
   ASSERT_EQ(python((k_cases / "levelling/layer.py").string() + " out --from 0.0008 --to 0.0016 --no-picture"), 0)
@@ -209,6 +208,34 @@ TEST_F(Cases, MovingGratesStirTheBedThatRestsOnStillOnes) {
   };
   const double still = energy("still", "0"), moving = energy("moving", "0.05");
   EXPECT_GT(moving, 5 * still) << "kinetic energy of the bed before the feed starts";
+}
+
+// The furnace for a second, its wood all but dry and hot so that it burns within it: what grains lose the gas has.
+TEST_F(Cases, FurnaceBurnsItsWoodAndClosesItsBooks) {
+  const Result r = run("grates/furnace.toml", {"time.duration=0.6", "heat.temperature=700", "source.4.start=0.2",
+                                               "output.particles_every=0", "output.csv_every=0.1"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const Table t = series();
+  const auto last = [&](const std::string& column) { return t.at(column).back(); };
+  EXPECT_EQ(last("particles") + last("removed"), 520 + last("inserted"));
+  const double mass = last("conversion.mass");
+  EXPECT_LT(last("conversion.moisture"), t.at("conversion.moisture").front()) << "it dries";
+  EXPECT_GT(last("conversion.released_tar"), 1e-4 * mass) << "it decomposes";
+  EXPECT_GT(last("gas.mass_from_grains"), 1e-3 * mass);
+  EXPECT_LT(std::abs(last("conversion.mass_residual")), 1e-9 * mass);
+  EXPECT_LT(std::abs(last("gas.mass_residual")), 1e-9 * mass);
+  EXPECT_LT(last("gas.element_residual"), 1e-9 * mass);
+  EXPECT_NEAR(last("gas.heat_from_grains"), -last("heat.in_by_gas"), 1e-9 * std::abs(last("heat.in_by_gas")));
+  const std::string summary = read("out/summary.json");
+  EXPECT_NE(summary.find("\"gas.element_residual\": "), std::string::npos) << "balances are in the summary";
+}
+
+TEST_F(Cases, FullFurnaceIsValidAndHasAHundredThousandGrains) {
+  const Result r = talus({"check", (k_cases / "grates/furnace-full.toml").string(), "--calibrate", "0"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const std::size_t at = r.out.find("particles");
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_GE(std::stoi(r.out.substr(r.out.find_first_of("0123456789", at))) * 1000, 100000) << r.out;
 }
 
 // ---- study ----

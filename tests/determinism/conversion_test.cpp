@@ -123,6 +123,27 @@ TEST(Conversion, HeatMassAndElementsCloseWhileGrainsBurnShrinkAndLeave) {
     EXPECT_LT(std::fabs(value_of(sim, std::string("conversion.") + e + "_residual")), 1e-12 * mass) << e;
 }
 
+// Shells become light while they still hold fuel: a step that heat just allowed at the start is too long later.
+TEST(Conversion, StepThatBecomesTooLongAsGrainsDecomposeIsRefusedByName) {
+  Simulation sim(quick(bed()), RunOptions{});
+  World& w = EngineAccess::world(sim);
+  const double most = make_conversion(w.rules, hot_settings(1))->step_limit(view_of(w));  // [s]
+  const auto every = static_cast<std::int64_t>(0.9 * most / w.rules.scene.dt);
+  convert(sim, hot_settings(every));
+  sim.run(2 * every);
+  try {
+    for (int k = 0; k < 40; ++k) sim.run(every);
+    FAIL() << "accepted";
+  } catch (const Error& e) {
+    const std::string what = e.what();
+    EXPECT_EQ(e.code(), ErrorCode::physics);
+    EXPECT_NE(what.find("conversion step"), std::string::npos) << what;
+    EXPECT_NE(what.find("of grain "), std::string::npos) << what;
+    EXPECT_NE(what.find("conversion.every = "), std::string::npos) << what;
+    EXPECT_EQ(what.find("step "), 0U) << what;
+  }
+}
+
 TEST(Conversion, BitsDependOnTheTrajectoryAlone) {
   const Scene s = quick(bed());
   const Variant plain{ListPolicy::local, 200, 1, 0, Isa::automatic};

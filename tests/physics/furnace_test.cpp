@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "core/base/error.hpp"
+#include "core/gas/drag.hpp"
 #include "core/gas/species.hpp"
 #include "tests/physics/physics_support.hpp"
 
@@ -312,6 +313,69 @@ TEST(Furnace, NusseltLawOfTheGasSaysWhatGrainsGetFromIt) {
   EXPECT_NEAR(heat[0], 2 * k / (2 * k_R) * 4 * k_pi * k_R * k_R * 200, 1e-4 * heat[0]);
   const double e = 1 - 4.0 / 3 * k_pi * std::pow(k_R / 0.245, 3);
   EXPECT_NEAR(heat[1] / heat[0], (7 - 10 * e + 5 * e * e) / 2, 1e-6);
+}
+
+/// Schumann (1929): 1 - J(Z, Y), temperature of the grains over that of the gas that comes in.
+double schumann_solid(double Y, double Z) {
+  const int n = 4000;
+  double sum = 0;
+  for (int k = 0; k < n; ++k) {
+    const double y = Z * (k + 0.5) / n;
+    sum += Z / n * std::exp(-Y - y) * std::cyl_bessel_i(0, 2 * std::sqrt(Y * y));
+  }
+  return sum;
+}
+
+TEST(Furnace, StepOfTheGasTemperatureRunsThroughABedAsSchumannSays) {
+  EXPECT_NEAR(schumann_solid(1, 1), 0.345746, 1e-5);
+  EXPECT_NEAR(schumann_solid(2, 4), 0.729961, 1e-5);
+  // 3 x 3 columns of 40 grains, periodic across, in a wind of 3 m/s that has 5 K more than they; 10, 20, 40 cells
+  constexpr double p = 0.01, d = 0.0098, dt = 0.1, end = 60;
+  constexpr int k_high = 40;
+  double error[3] = {};
+  for (int q = 0; q < 3; ++q) {
+    Scene s = heat_scene({}, {300}, dt);
+    s.domain.upper = {3 * p, 3 * p, k_high * p};
+    for (std::size_t axis : {0U, 1U}) s.domain.boundary[axis] = {Boundary::periodic, Boundary::periodic};
+    std::vector<Grain> grains;
+    for (int k = 0; k < 9 * k_high; ++k) {
+      Grain g;
+      g.x = {(k % 3 + 0.5) * p, (k / 3 % 3 + 0.5) * p, (k / 9 + 0.5) * p};
+      g.r = 0.5 * d;
+      g.fixed = true;
+      grains.push_back(g);
+    }
+    add_grains(s, grains);
+    s.heat.sources = {{300, false}};
+    s.materials[0].density = 1000;
+    s.heat.matter[0].capacity = Curve::constant(1000);
+    fill_with_gas(s, {1, 1, 10 << q});
+    s.gas.nusselt = GasNusselt::whitaker;
+    GasInlet in, out;
+    in.velocity = 3;
+    in.temperature = 305;
+    out.side = GasSide::top;
+    out.kind = GasInlet::Kind::pressure;
+    s.gas.inlets = {in, out};
+    Simulation sim(s, options());
+    sim.run(static_cast<std::int64_t>(end / dt));
+    const GasFractions air = s.gas.fractions;
+    const double e = 1 - k_pi / 6 * std::pow(d / p, 3), T = 302.5;
+    const double flow = 3 * 101325 / (gas::specific_gas_constant(air) * 305);  // [kg/m2/s]
+    const double re = flow * d / gas::viscosity(T);
+    const double h = gas::nusselt(s.gas.nusselt, e, re, gas::k_prandtl) * gas::conductivity(air, T) / d;
+    const double per_volume = h * k_pi * d * d / (p * p * p);
+    const std::vector<double> solid = column_of(sim, "temperature");
+    for (int k = 0; k < k_high; ++k) {
+      const double Y = per_volume * (k + 0.5) * p / (flow * gas::heat_capacity(air, T));
+      const double Z = per_volume * end / ((1 - e) * 1e6);
+      error[q] =
+          std::max(error[q], std::fabs((solid[static_cast<std::size_t>(9 * k)] - 300) / 5 - schumann_solid(Y, Z)));
+    }
+    figure("Schumann", error[q], fmt::format("largest error of the grains over the step, {} cells", 10 << q));
+  }
+  EXPECT_LT(error[2], 0.01);
+  EXPECT_GT(std::log2(error[0] / error[1]), 0.8) << "first order in the cells";
 }
 
 // --- all three -------------------------------------------------------------------------------------------------------
