@@ -8,6 +8,21 @@
 
 namespace talus::kernels {
 
+/// Lanes whose loads and stores are of doubles alone: those of the instruction sets may alias everything, so that every
+/// pointer and count would be read again behind every store.
+template <class A>
+struct GrainLanes : Lanes<A> {
+  using B = typename A::B;
+  using Register = typename B::register_type;
+  using Numbers [[gnu::vector_size(sizeof(double) * A::W), gnu::aligned(alignof(double))]] = double;
+  TALUS_INLINE static B load(const double* p) { return B((Register)(*reinterpret_cast<const Numbers*>(p))); }
+  TALUS_INLINE static void store(double* p, B a) {
+    *reinterpret_cast<Numbers*>(p) = (Numbers) static_cast<Register>(a);
+  }
+};
+template <>
+struct GrainLanes<simd::Scalar> : Lanes<simd::Scalar> {};
+
 /// S::W numbers of each of S::W rows, as columns; and back.
 template <class A>
 struct Transpose;
@@ -70,7 +85,7 @@ struct Transpose<simd::Avx512> {
 /// Lanes behind the last grain repeat it; nothing of them is kept.
 template <class A>
 void advance_grains(const conversion::BedMatter& matter, const conversion::GrainBatch& batch) {
-  using S = Lanes<A>;
+  using S = GrainLanes<A>;
   constexpr int W = S::W;
   const long size = conversion::bed_row(matter).size;
   double* lanes = batch.scratch + W * conversion::bed_work(matter);

@@ -39,6 +39,7 @@ TEST(GasPart, GasThatNeverActsInARunIsSaid) {
   for (const std::int64_t every : {100, 101}) {
     Scene s = box({0.01, 0.01, 0.01}, {2, 2, 2}, 1e-3);
     s.sources[0].number = 2;
+    s.sources[0].region.upper = s.domain.upper;
     s.steps = 100;
     s.gas.every = every;
     const Simulation sim(s, RunOptions{});
