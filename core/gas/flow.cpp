@@ -95,8 +95,9 @@ struct FlowSolver::Impl {
 
   Vec3 moved(const FlowInput& in, std::size_t c) const { return in.porosity[c] * in.solid_velocity[c]; }
 
-  /// Velocities of cells: means of their faces.
-  void cell_velocities(Flow& flow) const {
+  /// Velocities of cells: means of their faces. Along a periodic axis of one cell, which has no face and no difference
+  /// of pressure, the gas goes with its grains.
+  void cell_velocities(const FlowInput& in, Flow& flow) const {
     flow.velocity.assign(static_cast<std::size_t>(grid.cells()), Vec3{});
     for (std::size_t k = 0; k < grid.inner.size(); ++k) {
       const InnerFace& f = grid.inner[k];
@@ -107,6 +108,9 @@ struct FlowSolver::Impl {
       const OuterFace& f = grid.outer[k];
       flow.velocity[static_cast<std::size_t>(f.cell)][f.axis] += (f.high ? 0.5 : -0.5) * flow.outer[k];
     }
+    for (int axis = 0; axis < 3; ++axis)
+      if (const auto a = static_cast<std::size_t>(axis); grid.periodic[a] && grid.n[a] == 1)
+        for (std::size_t c = 0; c < flow.velocity.size(); ++c) flow.velocity[c][axis] = moved(in, c)[axis];
   }
 
   void set_resistances(const FlowInput& in, const Flow& flow) {
@@ -270,7 +274,7 @@ void FlowSolver::solve(const FlowInput& in, Flow& flow) {
   flow.outer_flux.resize(flow.outer.size());
   for (int c = 0; c < m.grid.cells(); ++c) m.x[c] = flow.pressure[static_cast<std::size_t>(c)] - in.reference;
   for (flow.iterations = 1; flow.iterations <= k_most_iterations; ++flow.iterations) {
-    m.cell_velocities(flow);
+    m.cell_velocities(in, flow);
     m.set_resistances(in, flow);
     m.assemble(in, flow);
     if (!m.system.solve(m.b, m.x) || !m.x.allFinite())
@@ -291,7 +295,7 @@ void FlowSolver::solve(const FlowInput& in, Flow& flow) {
         ErrorCode::physics,
         fmt::format("the flow of the gas does not settle: velocities change by {:.2g} per iteration", flow.change),
         "gas", "larger cells or a smaller gas.most_porosity");
-  m.cell_velocities(flow);
+  m.cell_velocities(in, flow);
   m.set_gradients(in, flow);
 }
 

@@ -76,6 +76,17 @@ TEST(GasForce, OfAllGrainsIsDropTimesAreaToRoundOff) {
     }
 }
 
+TEST(GasForce, IsNoneAlongAPeriodicAxisOfOneCell) {
+  GasSettings s = column(0.05, 9, 0.4);
+  Gas gas(s, {true, true, false}, {});
+  const FromGrains grains = uneven_bed(gas.grid(), 4);
+  gas.start(grains);
+  for (int k = 0; k < 5; ++k) gas.step(grains, 0.1);
+  const Vec3 f = force_on_grains(gas, grains);
+  EXPECT_LT(std::fabs(f.x), 1e-14 * f.z);
+  EXPECT_LT(std::fabs(f.y), 1e-14 * f.z);
+}
+
 TEST(GasForce, OfACellIsThatOfItsOwnLaw) {
   // a dense layer under a loose one: each gets its share of the drop by its own resistance
   GasSettings s = column(0.04, 20, 0.3);
