@@ -3,8 +3,7 @@
 
     python3 cases/grain/sensitivity.py [--talus build/talus]
 
-Values are those of other authors for wood or for this experiment, or bounds of what an experimenter may have had; none is chosen by
-its result. Huang: RMSE, aims 0.05, 40 K, 0.05 of the radius. Lu: points inside the band, aim 80 %."""
+Values are those of other authors for wood or for this experiment, or bounds of what an experimenter may have had. Huang: RMSE, aims 0.05, 40 K, 0.05 of the radius. Lu: points inside the band, aim 80 %."""
 import argparse
 import os
 
