@@ -30,7 +30,7 @@ bool inside(const WallPiece& p, Vec3 normal, Vec3 x) {
 }
 
 Vec3 normal_of(const WallPiece& p) {
-  if (p.plane) return p.normal;
+  if (p.kind == WallPiece::Kind::plane) return p.normal;
   const Vec3 area = cross(p.corner[1] - p.corner[0], p.corner[2] - p.corner[0]);
   return (1 / norm(area)) * area;
 }
@@ -77,12 +77,29 @@ bool edge_hit(const Body& body, double bound, const WallPiece& p, Hit& hit) {
   return found;
 }
 
+/// From inside a long body meets a cylinder in two places.
+void add_cylinder(const Body& body, const WallPiece& p, std::vector<Hit>& hits) {
+  ConeWall wall;
+  wall.apex = p.corner[0];
+  wall.axis = p.normal;
+  wall.reach = p.radius;
+  const Vec3 d = body.centre - p.corner[0], across = d - dot(d, p.normal) * p.normal;
+  if (norm2(across) < p.radius * p.radius) {
+    WallContact c[2];
+    const int n = cone_contacts_inside(body, wall, c);
+    for (int k = 0; k < n; ++k) hits.push_back({c[k], foot_of(c[k]), &p, true});
+    return;
+  }
+  const WallContact c = cylinder_contact_outside(body, wall);
+  if (c.overlap > 0) hits.push_back({c, foot_of(c), &p, true});
+}
+
 bool piece_hit(const Body& body, double bound, const WallPiece& p, Hit& hit) {
   const Vec3 n = normal_of(p);
   const double side = dot(body.centre - p.corner[0], n) < 0 ? -1 : 1;
   const WallContact c = plane_contact(body, p.corner[0], side * n);
   if (!(c.overlap > 0)) return false;  // the plane parts them
-  if (p.plane || inside(p, n, c.point)) {
+  if (p.kind == WallPiece::Kind::plane || inside(p, n, c.point)) {
     hit = {c, foot_of(c), &p, true};
     return true;
   }
@@ -101,7 +118,8 @@ bool behind(const Hit& a, const Hit& h, double tolerance) { return dot(h.foot - 
 
 /// The foot of h lies in the facet of a, which is met deeper elsewhere.
 bool leads_deeper(const Hit& a, const Hit& h, double tolerance) {
-  return !a.piece->plane && a.c.overlap > h.c.overlap && distance_to_triangle(*a.piece, h.foot) <= tolerance;
+  return a.piece->kind == WallPiece::Kind::triangle && a.c.overlap > h.c.overlap &&
+         distance_to_triangle(*a.piece, h.foot) <= tolerance;
 }
 
 }  // namespace
@@ -118,9 +136,13 @@ void body_wall_contacts(const Body& body, double bound, const WallSet& walls, st
   double slack = k_tangent_tolerance * bound;
   for (const WallPiece& p : pieces) {
     Hit h;
-    if (piece_hit(body, bound, p, h)) hits.push_back(h), slack = fmax2(slack, p.slack);
+    if (p.kind == WallPiece::Kind::cylinder)
+      add_cylinder(body, p, hits);
+    else if (piece_hit(body, bound, p, h))
+      hits.push_back(h);
+    slack = fmax2(slack, p.slack);
   }
-  std::sort(hits.begin(), hits.end(), hit_before);
+  std::stable_sort(hits.begin(), hits.end(), hit_before);
   for (const Hit& h : hits) {
     const bool same = std::any_of(accepted.begin(), accepted.end(), [&](const Hit* a) { return behind(*a, h, slack); });
     const bool leads = !h.face && std::any_of(hits.begin(), hits.end(), [&](const Hit& a) {
@@ -134,7 +156,7 @@ void body_wall_contacts(const Body& body, double bound, const WallSet& walls, st
         fmt::format("a particle of radius {:.4g} m touches more than {} wall features", bound, WallSet::k_max_contacts),
         fmt::format("position ({:.6g}, {:.6g}, {:.6g})", body.centre.x, body.centre.y, body.centre.z),
         "the mesh is much finer than the particle: use a coarser one");
-  std::sort(accepted.begin(), accepted.end(), [](const Hit* a, const Hit* b) {
+  std::stable_sort(accepted.begin(), accepted.end(), [](const Hit* a, const Hit* b) {
     const double a2 = norm2(a->piece->shift), b2 = norm2(b->piece->shift);
     return std::tie(a->piece->element, a2) < std::tie(b->piece->element, b2);
   });

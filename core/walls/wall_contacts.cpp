@@ -253,16 +253,14 @@ void WallSet::pieces(Vec3 c, std::span<const std::int32_t> candidates, std::vect
   for (const std::int32_t code : candidates) {
     if (!at.read(code)) continue;
     const Wall& w = impl_->walls[at.wall];
-    const ElementForm form = w.shape->form(at.facet);
-    if (form.kind == ElementForm::Kind::none) continue;
-    WallPiece p;
+    WallPiece p = w.shape->piece(at.facet);
+    if (p.kind == WallPiece::Kind::none) continue;
     p.wall = static_cast<std::int32_t>(at.wall);
     p.element = w.first + at.facet;
-    p.plane = form.kind == ElementForm::Kind::plane;
     p.shift = at.shift;
     p.slack = w.slack + k_shift_rounding * norm(at.shift);
-    for (int k = 0; k < (p.plane ? 1 : 3); ++k) p.corner[k] = to_world(w.pose, form.corner[k]) + at.shift;
-    if (p.plane) p.normal = direction_to_world(w.pose, form.normal);
+    for (Vec3& x : p.corner) x = to_world(w.pose, x) + at.shift;
+    if (p.kind != WallPiece::Kind::triangle) p.normal = direction_to_world(w.pose, p.normal);
     out.push_back(p);
   }
 }

@@ -46,12 +46,14 @@ struct WallContact {
 
 /// An element as bodies that are no spheres meet it, at its present pose in the frame of the particles.
 struct WallPiece {
+  enum class Kind : std::uint8_t { none, plane, triangle, cylinder };
   std::int32_t wall = 0, element = 0;
-  bool plane = false;  ///< else a triangle
-  Vec3 corner[3];      ///< of a plane: [0] is a point of it [m]
-  Vec3 normal;         ///< unit, either side; of a plane
-  Vec3 shift;          ///< of the image [m]
-  double slack = 0;    ///< corners are known this well [m]
+  Kind kind = Kind::none;
+  Vec3 corner[3];     ///< of a plane or an axis: [0] is a point of it [m]
+  Vec3 normal;        ///< unit, either side; of a plane; of a cylinder its axis
+  double radius = 0;  ///< of a cylinder, whose ends no body reaches [m]
+  Vec3 shift;         ///< of the image [m]
+  double slack = 0;   ///< corners are known this well [m]
 };
 
 /// Triangulated surface for output and reports; primitives are tessellated, infinite planes are clipped to the domain.
@@ -132,8 +134,8 @@ class WallSet {
   int contacts(Vec3 c, double radius, std::span<const std::int32_t> candidates, WallContact* out,
                const Wraps& wraps = {}) const;
 
-  /// The candidates of centre c as planes and triangles; those of walls that do not act now, and of walls that are
-  /// neither, are left out.
+  /// The candidates of centre c as planes, triangles and cylinders; those of walls that do not act now, and of walls
+  /// that are none of them, are left out.
   void pieces(Vec3 c, std::span<const std::int32_t> candidates, std::vector<WallPiece>& out,
               const Wraps& wraps = {}) const;
   /// Velocity of a point of a wall at the mid-step n-1/2 [m/s].

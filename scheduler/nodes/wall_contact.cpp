@@ -86,6 +86,7 @@ void find_row(const WallPass& pass, Chunk& c, std::size_t q, std::size_t& old, R
   int nb = 0;
   for (std::size_t end = old; end < t.state.size() && t.state[end].row == i && nb < WallSet::k_max_contacts; ++end)
     before[nb++] = t.state[end].contact;
+  for (int k = 0; k < nb && shaped; ++k) before[k].element = -1;  // it may meet one element twice: by the normals
   pass.walls.match(std::span(before, static_cast<std::size_t>(nb)), std::span(found, static_cast<std::size_t>(n)),
                    from);
   if (h.adhesion) n = keep_wall_contacts(pass.rules, pass.rows, pass.walls, i, found, from, n);

@@ -98,6 +98,17 @@ name = "step"
 shape = "box"
 lower = [-0.003, 0.005, 0]
 upper = [0.003, 0.011, 0.0025]
+[[wall]]
+name = "roller"
+shape = "cylinder"
+point = [-0.01, 0.0125, 0.0045]
+axis = [1, 0, 0]
+length = 0.02
+radius = 0.0015
+[wall.motion]
+rotation_axis = [1, 0, 0]
+rotation_origin = [0, 0.0125, 0.0045]
+rotation_rate = 100
 [[event]]
 time = 0.004
 action = "set_velocity"

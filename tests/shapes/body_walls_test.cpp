@@ -69,6 +69,70 @@ TEST(BodyWalls, BallMeetsThemAsASphereDoes) {
   EXPECT_GT(edges, 100);
 }
 
+TEST(BodyWalls, BallMeetsACylinderAsASphereDoesFromInsideAndOutside) {
+  Scene scene = scene_of();
+  scene.walls.clear();
+  WallSpec tube;
+  tube.name = "tube";
+  tube.shape = WallShape::cylinder;
+  tube.point = {10, 10, -1};
+  tube.axis = {0, 0, 1};
+  tube.length = 22;
+  tube.radius = 5;
+  scene.walls.push_back(tube);
+  WallSet set(scene, 4, 4);
+  set.set_step(0, 1e-5);
+  Draw draw(6);
+  int inside = 0, outside = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const double phi = 2 * M_PI * draw.uniform(), from = draw.uniform(4.2, 5.8);
+    if (std::fabs(from - 5) < 0.3) continue;
+    const Vec3 c{10 + from * std::cos(phi), 10 + from * std::sin(phi), draw.uniform(4, 16)};
+    std::vector<std::int32_t> near;
+    set.candidates(c, 1, near);
+    talus::WallContact sphere[WallSet::k_max_contacts];
+    const int n = set.contacts(c, 1, near, sphere);
+    std::vector<BodyWallContact> found;
+    body_wall_contacts(make_body(Superquadric{}, 1, c, draw.turn()), 1, set, near, {}, found);
+    ASSERT_EQ(found.size(), static_cast<std::size_t>(n));
+    ASSERT_EQ(n, 1);
+    EXPECT_NEAR(found[0].contact.distance, sphere[0].distance, 1e-9);
+    EXPECT_LT(norm(found[0].contact.normal - sphere[0].normal), 1e-9);
+    EXPECT_LT(norm(found[0].arm + sphere[0].distance * sphere[0].normal), 1e-8);
+    (from < 5 ? inside : outside) += 1;
+  }
+  EXPECT_GT(inside, 500);
+  EXPECT_GT(outside, 500);
+}
+
+TEST(BodyWalls, NeedleBridgesACylinderWithBothEnds) {
+  Scene scene = scene_of();
+  scene.walls.clear();
+  WallSpec tube;
+  tube.name = "tube";
+  tube.shape = WallShape::cylinder;
+  tube.point = {10, 10, -1};
+  tube.axis = {0, 0, 1};
+  tube.length = 22;
+  tube.radius = 5;
+  scene.walls.push_back(tube);
+  WallSet set(scene, 4, 4);
+  set.set_step(0, 1e-5);
+  Superquadric needle;
+  needle.axes = {3, 0.3, 0.3};
+  // a chord: its tips reach 0.01 through the wall where the normals fit
+  const double y = 10 - std::sqrt(25 - 9.0) + 0.02;
+  std::vector<std::int32_t> near;
+  set.candidates({10, y, 8}, 3.01, near);
+  std::vector<BodyWallContact> found;
+  body_wall_contacts(make_body(needle, smallest_radius(needle), {10, y, 8}, {}), 3.01, set, near, {}, found);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_NEAR(found[0].contact.distance, found[1].contact.distance, 1e-9);
+  EXPECT_NEAR(found[0].contact.normal.x, -found[1].contact.normal.x, 1e-9);
+  EXPECT_NEAR(found[0].contact.normal.y, found[1].contact.normal.y, 1e-9);
+  EXPECT_GT(found[0].contact.normal.y, 0.5);
+}
+
 /// Sum of overlap times normal, as a force of stiffness 1, and the torque of it.
 struct Load {
   Vec3 force, torque;

@@ -108,6 +108,24 @@ ShapeSpec read_shape(const SceneTable& r, std::vector<std::string>& names) {
   return s;
 }
 
+/// The cylinder's ends are closed by sides of the domain: no body meets a rim.
+bool spans(const Scene& scene, std::size_t wall) {
+  const WallSpec& w = scene.walls[wall];
+  const Domain& d = scene.domain;
+  for (int k = 0; k < 3; ++k) {
+    const int a = (k + 1) % 3, b = (k + 2) % 3;
+    if (w.axis[a] != 0 || w.axis[b] != 0) continue;
+    const double other = w.point[k] + (w.axis[k] > 0 ? w.length : -w.length), tiny = 1e-9 * (d.upper[k] - d.lower[k]);
+    const auto& sides = d.boundary[static_cast<std::size_t>(k)];
+    const bool turns =
+        w.motion.rotation_rate != 0 && (w.motion.rotation_axis[a] != 0 || w.motion.rotation_axis[b] != 0);
+    return fmin2(w.point[k], other) <= d.lower[k] + tiny && fmax2(w.point[k], other) >= d.upper[k] - tiny &&
+           sides[0] != Boundary::open && sides[1] != Boundary::open && w.motion.velocity[k] == 0 &&
+           w.motion.amplitude[k] == 0 && !turns;
+  }
+  return false;
+}
+
 /// What a law says of spheres alone would be wrong of them.
 void refuse_beside_superquadrics(const SceneTable& root, const Scene& scene) {
   constexpr const char* refused = "cannot be had of superquadrics";
@@ -117,8 +135,10 @@ void refuse_beside_superquadrics(const SceneTable& root, const Scene& scene) {
   if (scene.contact.cohesion != Cohesion::none) contact.fail("cohesion", refused);
   const std::vector<SceneTable> walls = root.sections("wall");
   for (std::size_t k = 0; k < walls.size() && k < scene.walls.size(); ++k)
-    if (scene.walls[k].shape == WallShape::cylinder || scene.walls[k].shape == WallShape::cone)
-      walls[k].fail("shape", "cannot be met by superquadrics: plane, box and mesh can");
+    if (scene.walls[k].shape == WallShape::cone || (scene.walls[k].shape == WallShape::cylinder && !spans(scene, k)))
+      walls[k].fail("shape",
+                    "cannot be met by superquadrics: planes, boxes, meshes can, and cylinders along an axis of the "
+                    "domain from one of its sides to the other, both closed or periodic");
   if (law_of(scene).adhesion != nullptr) contact.fail("model", "with adhesion cannot be had of superquadrics");
 }
 

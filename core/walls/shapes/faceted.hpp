@@ -14,9 +14,12 @@ class Faceted final : public Shape {
   }
   void near(Vec3 b, double within, double reach, std::vector<NearElement>& out) const override;
   WallSurface surface(const WallPose& pose, Vec3 lower, Vec3 upper) const override;
-  ElementForm form(std::int32_t element) const override {
+  WallPiece piece(std::int32_t element) const override {
     const std::array<Vec3, 3>& v = facets_[static_cast<std::size_t>(element)].v;
-    return {ElementForm::Kind::triangle, {v[0], v[1], v[2]}, {}};
+    WallPiece p;
+    p.kind = WallPiece::Kind::triangle;
+    for (std::size_t k = 0; k < 3; ++k) p.corner[k] = v[k];
+    return p;
   }
   double arm(const WallMotion& motion) const override;
   std::size_t bytes() const noexcept override;

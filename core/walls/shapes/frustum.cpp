@@ -64,6 +64,16 @@ double Frustum::speed(const WallPose& pose, const std::array<Vec3, 8>& domain) c
   return Shape::speed(pose, domain);
 }
 
+WallPiece Frustum::piece(std::int32_t) const {
+  WallPiece p;
+  if (frustum_.radius_start != frustum_.radius_end) return p;
+  p.kind = WallPiece::Kind::cylinder;
+  p.corner[0] = frustum_.base;
+  p.normal = frustum_.axis;
+  p.radius = frustum_.radius_start;
+  return p;
+}
+
 double Frustum::arm(const WallMotion& m) const {
   return farthest_from_axis(m.rotation_origin, m.rotation_axis, rims(frustum_));
 }

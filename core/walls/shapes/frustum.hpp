@@ -20,6 +20,7 @@ class Frustum final : public Shape {
   double travelled(const WallPose& from, const WallPose& to, const std::array<Vec3, 8>& domain) const override;
   double speed(const WallPose& pose, const std::array<Vec3, 8>& domain) const override;
   double arm(const WallMotion& motion) const override;
+  WallPiece piece(std::int32_t) const override;
 
  private:
   FrustumElement frustum_;

@@ -38,8 +38,12 @@ class Plane final : public Shape {
     return fastest(pose, body);
   }
   double arm(const WallMotion&) const override { return k_never; }
-  ElementForm form(std::int32_t) const override {
-    return {ElementForm::Kind::plane, {plane_.point, {}, {}}, plane_.normal};
+  WallPiece piece(std::int32_t) const override {
+    WallPiece p;
+    p.kind = WallPiece::Kind::plane;
+    p.corner[0] = plane_.point;
+    p.normal = plane_.normal;
+    return p;
   }
 
  private:

@@ -24,14 +24,6 @@ struct NearElement {
   double distance = 0;  ///< [m]
 };
 
-/// An element as bodies that are no spheres meet it: plane, or triangle; of other surfaces none.
-struct ElementForm {
-  enum class Kind : std::uint8_t { none, plane, triangle };
-  Kind kind = Kind::none;
-  Vec3 corner[3];  ///< of a plane: a point of it, twice nothing
-  Vec3 normal;     ///< unit; of a plane
-};
-
 class Shape {
  public:
   virtual ~Shape() = default;
@@ -54,7 +46,8 @@ class Shape {
   /// Distance of the farthest of the shape's own points from the motion's axis of rotation [m]; k_never: no bound.
   virtual double arm(const WallMotion& motion) const = 0;
   virtual std::size_t bytes() const noexcept { return 0; }
-  virtual ElementForm form(std::int32_t) const { return {}; }
+  /// An element as bodies that are no spheres meet it, in the wall's own frame: kind and measures of a WallPiece.
+  virtual WallPiece piece(std::int32_t) const { return {}; }
 
   std::int32_t elements = 1;
   double slack = 0;                ///< vertices lie this near to their facet's plane [m]
