@@ -31,8 +31,8 @@ std::vector<std::string> forgotten_keys(const SceneText& text) {
     notes.push_back("no gravity is given, so nothing falls (gravity = [0, 0, -9.81]; [0, 0, 0] says that it is meant)");
   if (none_of({{"contact", "friction"}, {"pair", "friction"}}))
     notes.push_back(
-        "no friction is given, so grains slide freely and spheres never turn (contact.friction = 0.5; \"none\" says that "
-        "it is meant)");
+        "no friction is given, so grains slide freely and spheres never turn (contact.friction = 0.5; \"none\" says it "
+        "is meant)");
   // The others require a restitution.
   if (!law_of(scene).by_modulus &&
       none_of({{"contact", "restitution"}, {"contact", "normal_damping"}, {"pair", "restitution"}}))
