@@ -13,11 +13,10 @@ namespace talus::gas {
 
 /// Of the grains, summed over cells by the share of their volume that lies in each.
 struct FromGrains {
-  std::vector<double> solid;     ///< volume of grains [m3]
-  std::vector<double> specific;  ///< their volume / diameter, summed: gives the Sauter diameter [m2]
-  std::vector<double>
-      drag_factor;           ///< drag of the grains by their own sizes and velocities / that of the bed's law [-]
-  std::vector<Vec3> moment;  ///< volume times velocity, each grain by its share in the drag [m4/s]
+  std::vector<double> solid;         ///< volume of grains [m3]
+  std::vector<double> specific;      ///< their volume / diameter, summed: gives the Sauter diameter [m2]
+  std::vector<double> drag_factor;   ///< drag by their own sizes and velocities / that of the bed's law [-]
+  std::vector<Vec3> moment;          ///< volume times velocity, each grain by its share in the drag [m4/s]
   std::vector<double> conductance;   ///< h A to the gas [W/K]
   std::vector<double> heat;          ///< h A T of the grains [W]
   std::vector<GasFractions> source;  ///< mass that grains give [kg/s]; negative: they want it

@@ -53,6 +53,8 @@ class Conversion final : public Part, public GrainInside {
   /// step.
   static constexpr std::size_t k_fixed_books = 12;
   static const int k_books[k_fixed_books];
+  enum ShownAt : std::size_t { k_shown_surface = 1, k_shown_char = 6 };  ///< places in k_shown
+  static constexpr std::size_t k_books_taken = 4;                        ///< in k_books: O2, CO2, H2O from here
 
  private:
   using Kind = ConvertingKind;

@@ -199,10 +199,10 @@ std::vector<double> Conversion::uptakes(const PartView& w, const GasCells& gas) 
       const auto at = static_cast<std::size_t>(i);
       const Kind* kind = w.rows.is_alive(i) ? kind_of(w.rows, i) : nullptr;
       if (kind == nullptr || kind->job->matter.char_reactions.empty()) continue;
-      if (!(shown_[6][at] > 0)) continue;  // no char yet
+      if (!(shown_[k_shown_char][at] > 0)) continue;  // no char yet
       const SurroundingsOverTime& a = kind->job->around;
       const GasNear g = gas.near(i);
-      const double r = w.rows.p[4L * i + 3], surface = shown_[1][at];
+      const double r = w.rows.p[4L * i + 3], surface = shown_[k_shown_surface][at];
       const Film f = film_of(a.gas, a.law, 2 * r, g.slip, g.temperature, surface, a.pressure);
       const double density = gas_density(0.5 * (g.temperature + surface), a.pressure, a.gas.molar);
       most[at] = k_uptake_more * kind->shares * (f.mass * g.film / f.heat) * (4 * det::k_pi * (r * r)) * density;
@@ -218,7 +218,8 @@ void Conversion::give(const PartView& w, GasCells& gas) {
     const double* x = book(i);
     GasFractions released{};
     for (std::size_t k = 0; k < released.size(); ++k) released[k] = x[k_fixed_books + kind->gases[k]];
-    gas.give(i, released, {x[4], x[5], x[6]}, shown_[1][static_cast<std::size_t>(i)]);
+    const double* taken = x + k_books_taken;
+    gas.give(i, released, {taken[0], taken[1], taken[2]}, shown_[k_shown_surface][static_cast<std::size_t>(i)]);
   }
   gas.settle();
 }

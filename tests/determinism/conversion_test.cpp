@@ -11,6 +11,7 @@
 #include "scheduler/step/access.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
+#include "tests/part_values.hpp"
 
 namespace talus::determinism {
 namespace {
@@ -94,13 +95,6 @@ void convert(Simulation& sim, const ConversionSettings& s) {
   part->appended(w.rows, 0, all);
   w.rows.resized = part->resizes();
   w.parts.all.push_back(std::move(part));
-}
-
-double value_of(const Simulation& sim, const std::string& name) {
-  for (const PartValue& v : sim.part_values())
-    if (v.name == name) return v.value;
-  ADD_FAILURE() << "no value " << name;
-  return 0;
 }
 
 /// Contact steps are short: time runs faster for the grains.

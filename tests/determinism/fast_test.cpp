@@ -59,7 +59,9 @@ TEST(Fast, SameBitsForEveryWayOfRunningOneInstructionSet) {
         EXPECT_EQ(h, hash) << v.text();
       }
       // and the mode is another one: the comparison above is not that of the exact kernels
-      if (k_fuses) EXPECT_NE(hash, hash_after(ways[0].apply(build()), ways[0].options(), 900));
+      if (k_fuses) {
+        EXPECT_NE(hash, hash_after(ways[0].apply(build()), ways[0].options(), 900));
+      }
     }
 }
 
@@ -80,7 +82,9 @@ TEST(Fast, StaysWithinRoundingOfTheExactModeWhileRoundingIsSmall) {
       double worst = 0;
       for (std::size_t k = 0; k < fa.x.size(); ++k) worst = std::max(worst, norm(fa.x[k] - fb.x[k]));
       std::printf("figure: fast %s, 200 steps: positions within %.1e m of the exact mode's\n", isa_name(isa), worst);
-      if (k_fuses) EXPECT_GT(worst, 0.0);
+      if (k_fuses) {
+        EXPECT_GT(worst, 0.0);
+      }
       // grains of 1e-3 m at coordinates up to 0.03 m (ulp 3e-18 m); collisions multiply differences by a few each
       EXPECT_LT(worst, 1e-12);
     }

@@ -7,6 +7,7 @@
 #include "core/base/error.hpp"
 #include "core/scene/scene_file.hpp"
 #include "scheduler/step/access.hpp"
+#include "tests/determinism/part_final.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
 
@@ -96,26 +97,6 @@ Scene furnace(Scene s = hopper()) {
   out.kind = GasInlet::Kind::pressure;
   s.gas.inlets = {in, out};
   return s;
-}
-
-double value_of(const Simulation& sim, const std::string& name) {
-  for (const PartValue& v : sim.part_values())
-    if (v.name == name) return v.value;
-  ADD_FAILURE() << "no value " << name;
-  return 0;
-}
-
-struct Final {
-  std::uint64_t hash;
-  std::vector<double> values;
-  std::string bytes;
-  bool operator==(const Final&) const = default;
-};
-
-Final final_of(const Simulation& sim) {
-  Final f{sim.state_hash(), {}, checkpoint_bytes(sim)};
-  for (const PartValue& v : sim.part_values()) f.values.push_back(v.value);
-  return f;
 }
 
 TEST(FurnaceBits, DependOnTheTrajectoryAlone) {

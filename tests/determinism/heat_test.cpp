@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "scheduler/step/access.hpp"
+#include "tests/determinism/part_final.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
 
@@ -13,26 +14,6 @@ namespace talus::determinism {
 namespace {
 
 constexpr std::int64_t k_run = 1500;  // with two sort epochs
-
-double value_of(const Simulation& sim, const std::string& name) {
-  for (const PartValue& v : sim.part_values())
-    if (v.name == name) return v.value;
-  ADD_FAILURE() << "no value " << name;
-  return 0;
-}
-
-struct Final {
-  std::uint64_t hash;
-  std::vector<double> values;
-  std::string bytes;
-  bool operator==(const Final&) const = default;
-};
-
-Final final_of(const Simulation& sim) {
-  Final f{sim.state_hash(), {}, checkpoint_bytes(sim)};
-  for (const PartValue& v : sim.part_values()) f.values.push_back(v.value);
-  return f;
-}
 
 const std::vector<Scene (*)()>& builds() {
   static const std::vector<Scene (*)()> all{hopper, pile_on_mesh, sticky_drum, sheared_bed};

@@ -9,6 +9,7 @@
 #include "scheduler/step/access.hpp"
 #include "tests/determinism/scenes.hpp"
 #include "tests/determinism/variants.hpp"
+#include "tests/part_values.hpp"
 
 namespace talus::determinism {
 namespace {
@@ -22,13 +23,6 @@ Scene traced(Scene s, double rate) {
   return s;
 }
 double usual_rate(const Scene& s) { return 0.004 / s.dt; }
-
-double value_of(const Simulation& sim, const std::string& name) {
-  for (const PartValue& v : sim.part_values())
-    if (v.name == name) return v.value;
-  ADD_FAILURE() << "no value " << name;
-  return 0;
-}
 
 std::vector<double> column_of(const Simulation& sim) {
   const Frame f = sim.frame();

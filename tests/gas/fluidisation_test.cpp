@@ -11,6 +11,7 @@
 #include "core/gas/species.hpp"
 #include "core/io/checkpoint.hpp"
 #include "scheduler/simulation.hpp"
+#include "tests/part_values.hpp"
 
 namespace talus::gas {
 namespace {
@@ -54,13 +55,6 @@ Scene bed(bool equal) {
   s.sources = {a};
   s.steps = 1000000;
   return s;
-}
-
-double value_of(const Simulation& sim, const std::string& name) {
-  for (const PartValue& v : sim.part_values())
-    if (v.name == name) return v.value;
-  ADD_FAILURE() << "no value " << name;
-  return 0;
 }
 
 /// Volume of the grains, their Sauter diameter and weight, the height of their middle.

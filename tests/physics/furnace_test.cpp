@@ -12,17 +12,12 @@
 #include "core/base/error.hpp"
 #include "core/gas/drag.hpp"
 #include "core/gas/species.hpp"
+#include "tests/part_values.hpp"
 #include "tests/physics/physics_support.hpp"
 
 namespace talus::physics {
 namespace {
 
-double value_of(const Simulation& sim, const std::string& name) {
-  for (const PartValue& v : sim.part_values())
-    if (v.name == name) return v.value;
-  ADD_FAILURE() << "no value " << name;
-  return 0;
-}
 std::vector<double> column_of(const Simulation& sim, const std::string& name) {
   for (const ExtraColumn& c : sim.frame().extra)
     if (c.name == name) return c.values;

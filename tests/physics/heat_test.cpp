@@ -10,6 +10,7 @@
 #include "core/base/error.hpp"
 #include "core/heat/contact.hpp"
 #include "core/heat/radiation.hpp"
+#include "tests/part_values.hpp"
 #include "tests/physics/physics_support.hpp"
 
 namespace talus::physics {
@@ -18,13 +19,6 @@ namespace {
 constexpr double k_R = 5e-3, k_rho = 2700, k_c = 900, k_k = 200;  // two spheres of the usual example
 constexpr double k_a = 1.50554e-4;                                // radius of their contact [m]
 const double k_delta = k_a * k_a / (k_R / 2), k_H = 2 * k_k * k_a, k_mc = sphere_mass(k_rho, k_R) * k_c;
-
-double value_of(const Simulation& sim, const std::string& name) {
-  for (const PartValue& v : sim.part_values())
-    if (v.name == name) return v.value;
-  ADD_FAILURE() << "no value " << name;
-  return 0;
-}
 
 std::vector<double> temperatures(const Simulation& sim) {
   for (const ExtraColumn& c : sim.frame().extra)

@@ -24,6 +24,21 @@ Scene scene_of() {
       "test", "", {});
 }
 
+/// A tube of radius 5 along z instead of them.
+Scene tube_scene() {
+  Scene scene = scene_of();
+  scene.walls.clear();
+  WallSpec tube;
+  tube.name = "tube";
+  tube.shape = WallShape::cylinder;
+  tube.point = {10, 10, -1};
+  tube.axis = {0, 0, 1};
+  tube.length = 22;
+  tube.radius = 5;
+  scene.walls.push_back(tube);
+  return scene;
+}
+
 struct Walls {
   WallSet set;
   Walls() : set(scene_of(), 4, 4) { set.set_step(0, 1e-5); }
@@ -70,16 +85,7 @@ TEST(BodyWalls, BallMeetsThemAsASphereDoes) {
 }
 
 TEST(BodyWalls, BallMeetsACylinderAsASphereDoesFromInsideAndOutside) {
-  Scene scene = scene_of();
-  scene.walls.clear();
-  WallSpec tube;
-  tube.name = "tube";
-  tube.shape = WallShape::cylinder;
-  tube.point = {10, 10, -1};
-  tube.axis = {0, 0, 1};
-  tube.length = 22;
-  tube.radius = 5;
-  scene.walls.push_back(tube);
+  const Scene scene = tube_scene();
   WallSet set(scene, 4, 4);
   set.set_step(0, 1e-5);
   Draw draw(6);
@@ -106,16 +112,7 @@ TEST(BodyWalls, BallMeetsACylinderAsASphereDoesFromInsideAndOutside) {
 }
 
 TEST(BodyWalls, NeedleBridgesACylinderWithBothEnds) {
-  Scene scene = scene_of();
-  scene.walls.clear();
-  WallSpec tube;
-  tube.name = "tube";
-  tube.shape = WallShape::cylinder;
-  tube.point = {10, 10, -1};
-  tube.axis = {0, 0, 1};
-  tube.length = 22;
-  tube.radius = 5;
-  scene.walls.push_back(tube);
+  const Scene scene = tube_scene();
   WallSet set(scene, 4, 4);
   set.set_step(0, 1e-5);
   Superquadric needle;

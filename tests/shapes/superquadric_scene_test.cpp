@@ -9,6 +9,7 @@
 #include "core/scene/scene_file.hpp"
 #include "paths.hpp"
 #include "scheduler/step/access.hpp"
+#include "tests/shapes/body_support.hpp"
 
 namespace talus {
 namespace {
@@ -33,34 +34,6 @@ Scene scene_of(const Words& w) {
                          "\nduration = 1\n[[material]]\nname = \"m\"\n" + w.material +
                          "\n[contact]\nrestitution = " + w.restitution + "\n" + w.law + "\n" + w.shape + w.rest,
                      "test", "", {});
-}
-
-std::string source(const std::string& name, int number, const std::string& lower, const std::string& upper,
-                   const std::string& more, const std::string& size = {}) {
-  std::string s = "[[source]]\nname = \"" + name + "\"\nkind = \"random\"\nnumber = " + std::to_string(number) + "\n" +
-                  more + "\n[source.region]\nlower = " + lower + "\nupper = " + upper + "\n";
-  return size.empty() ? s : s + "[source.size]\ndiameter = " + size + "\n";
-}
-
-const Bodies& bodies_of(Simulation& sim) { return EngineAccess::world(sim).rows.bodies; }
-const Rules& rules_of(Simulation& sim) { return EngineAccess::world(sim).rules; }
-
-struct Sums {
-  Vec3 momentum, angular;
-  double energy = 0, mass = 0;
-};
-/// Of bodies that no side has wrapped, about the domain's corner.
-Sums sums_of(Simulation& sim) {
-  Sums s;
-  const Bodies& b = bodies_of(sim);
-  for (std::int32_t k = 0; k < b.n; ++k) {
-    const Vec3 v{b.v[4L * k], b.v[4L * k + 1], b.v[4L * k + 2]};
-    s.momentum = s.momentum + b.mass(k) * v;
-    s.angular = s.angular + b.mass(k) * cross(b.centre(k), v) + momentum_in_space(rules_of(sim), b, k);
-    s.energy += 0.5 * b.mass(k) * norm2(v) + rotation_energy(rules_of(sim), b, k);
-    s.mass += b.mass(k);
-  }
-  return s;
 }
 
 TEST(Superquadric, CollisionsKeepMomentumAndAngularMomentum) {
