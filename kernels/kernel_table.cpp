@@ -13,20 +13,6 @@ extern const KernelTable k_table_avx2_fast, k_table_avx512_fast;
 
 namespace {
 
-// __builtin_cpu_supports accounts for what the operating system enables (XCR0); xsimd's own detection does not.
-bool supported(Isa isa) {
-  switch (isa) {
-    case Isa::avx512:
-      return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-             __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
-             __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("bmi2");
-    case Isa::avx2:
-      return __builtin_cpu_supports("avx2");
-    default:
-      return true;
-  }
-}
-
 const KernelTable& table(Isa isa) {
   switch (isa) {
     case Isa::avx512:
@@ -39,6 +25,22 @@ const KernelTable& table(Isa isa) {
       return k_table_scalar;
   }
 }
+
+// __builtin_cpu_supports accounts for what the operating system enables (XCR0); xsimd's own detection does not.
+bool has_processor(Isa isa) {
+  switch (isa) {
+    case Isa::avx512:
+      return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+             __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+             __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("bmi2");
+    case Isa::avx2:
+      return __builtin_cpu_supports("avx2");
+    default:
+      return true;
+  }
+}
+
+bool built(const KernelTable& t) { return t.name != nullptr; }  // else left out by the build's TALUS_ISAS
 
 }  // namespace
 
@@ -68,8 +70,17 @@ Isa parse_isa(const std::string& name) {
 std::vector<Isa> available_isas() {
   std::vector<Isa> v;
   for (Isa i : {Isa::avx512, Isa::avx2, Isa::sse2, Isa::scalar})
-    if (supported(i)) v.push_back(i);
+    if (has_processor(i) && built(table(i))) v.push_back(i);
   return v;
+}
+
+/// The best set that can run here. Error{usage} where the build has none that this processor supports.
+static Isa best_isa() {
+  const std::vector<Isa> all = available_isas();
+  if (all.empty())
+    throw Error(ErrorCode::usage, "this processor supports none of the instruction sets of this build", "TALUS_ISAS",
+                "a build with another TALUS_ISAS");
+  return all.front();
 }
 
 const KernelTable& select_kernels(Isa isa, std::string* why, Precision precision) {
@@ -82,16 +93,18 @@ const KernelTable& select_kernels(Isa isa, std::string* why, Precision precision
     }
   }
   if (isa == Isa::automatic) {
-    isa = available_isas().front();
+    isa = best_isa();
     reason = "best that this processor and system support";
   }
-  if (!supported(isa))
-    throw Error(ErrorCode::usage, std::string("this processor does not support ") + isa_name(isa), "--isa",
-                std::string("best available: ") + isa_name(available_isas().front()));
+  if (!has_processor(isa) || !built(table(isa)))
+    throw Error(
+        ErrorCode::usage,
+        std::string(has_processor(isa) ? "this build leaves out " : "this processor does not support ") + isa_name(isa),
+        "--isa", std::string("best available: ") + isa_name(best_isa()));
   if (why != nullptr) *why = reason;
   if (precision == Precision::exact) return table(isa);
-  if (isa == Isa::avx512) return k_table_avx512_fast;
-  if (isa == Isa::avx2 && __builtin_cpu_supports("fma")) return k_table_avx2_fast;
+  if (isa == Isa::avx512 && built(k_table_avx512_fast)) return k_table_avx512_fast;
+  if (isa == Isa::avx2 && __builtin_cpu_supports("fma") && built(k_table_avx2_fast)) return k_table_avx2_fast;
   throw Error(ErrorCode::usage, std::string("there are no fast kernels for ") + isa_name(isa) + " on this processor",
               "precision = \"fast\"", "precision = \"exact\", or avx2 with fused multiply-add, or avx512");
 }
