@@ -135,7 +135,7 @@ void read_shares(const GrainTable& r, Matter& m) {
   if (r.has("initial")) {
     double sum = 0;
     for (const auto& [name, share] : r.shares("initial")) {
-      placed(r.where("initial"), [&, n = name] { m.solids[m.solid(n)].initial = share; });
+      placed(r.where("initial"), [&, n = name, of = share] { m.solids[m.solid(n)].initial = of; });
       sum += share;
     }
     if (std::fabs(sum - rest) > 1e-3)

@@ -10,7 +10,7 @@ namespace talus::gas {
 
 namespace {
 
-constexpr int O2 = 0, CO2 = 1, CO = 2, H2O = 3, H2 = 4, CH4 = 5, TAR = 6;
+constexpr int O2 = 0, CO = 2, H2O = 3, H2 = 4, CH4 = 5, TAR = 6;
 constexpr int k_reactions = 4;
 constexpr int k_fuel[k_reactions] = {CO, H2, CH4, TAR};
 constexpr double k_change[k_reactions][k_gas_species] = {

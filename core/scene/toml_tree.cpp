@@ -115,7 +115,7 @@ TomlNode* TomlNode::find(std::string_view key) noexcept {
 
 TomlNode& TomlNode::set(std::string_view key, TomlNode value) {
   auto at = at_or_behind(table, key);
-  if (at == table.end() || at->first != key) at = table.emplace(at, std::string(key), TomlNode{});
+  if (at == table.end() || at->first != key) at = table.insert(at, {std::string(key), TomlNode{}});
   at->second = std::move(value);
   return at->second;
 }

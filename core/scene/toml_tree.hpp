@@ -5,10 +5,11 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace talus {
+
+struct TomlEntry;
 
 struct TomlNode {
   enum class Type { number, integer, boolean, text, list, table, other } type = Type::other;
@@ -17,10 +18,10 @@ struct TomlNode {
   bool boolean = false;
   std::string text;
   std::vector<TomlNode> list;
-  std::vector<std::pair<std::string, TomlNode>> table;  ///< by name, ascending
-  std::string where;                                    ///< "name:line:column", or the name alone
-  std::string key_where;                                ///< the same of the key that has this value
-  std::string shown;                                    ///< the value as its author would write it, shortened
+  std::vector<TomlEntry> table;  ///< by name, ascending
+  std::string where;             ///< "name:line:column", or the name alone
+  std::string key_where;         ///< the same of the key that has this value
+  std::string shown;             ///< the value as its author would write it, shortened
 
   bool is_text() const noexcept { return type == Type::text; }
   bool is_list() const noexcept { return type == Type::list; }
@@ -35,6 +36,12 @@ struct TomlNode {
   TomlNode* find(std::string_view key) noexcept;
   TomlNode& set(std::string_view key, TomlNode value);  ///< replaces or adds
   void erase(std::string_view key);
+};
+
+/// A key and its value.
+struct TomlEntry {
+  std::string first;
+  TomlNode second;
 };
 
 /// Error{scene} in one line with name:line:column.

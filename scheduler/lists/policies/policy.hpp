@@ -18,7 +18,7 @@ struct Contacts;
 struct Lists;
 struct Rows;
 struct Rules;
-class Team;
+struct Team;
 
 /// Of what skins are made for the rows of a chunk, in order.
 struct SpeedQuery {
