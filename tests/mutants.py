@@ -9,8 +9,8 @@ Works in a copy of the checkout outside of it (--scratch, kept so that the next 
 flags. For each fault: the program is built, the tests run that should see it, and, where these pass, all others up to
 the first failure (--quick: not, and only the programs of these tests are built). A fault whose line is not there exactly
 once, or that does not compile, is an error of the table and no kill. Prints a line per fault and the totals; exit 1
-where fewer than 95 % are killed or the table has errors. Faults of kernels: --cmake=-DTALUS_ISAS=avx512 builds one
-instruction set, not four.
+where fewer than 95 % are killed or the table has errors. Faults of kernels: "--cmake=-DTALUS_ISAS=scalar;avx512" builds two
+instruction sets, not four.
 """
 import argparse
 import hashlib
