@@ -48,9 +48,10 @@ int tell_failure(const RunOutcome& outcome, const RunFolder& folder) {
 
 void print_closing(const Options& options, const std::string& folder, const Summary& s, const RunOutputs& outputs,
                    const RunOutcome& outcome) {
-  put("\n{} at step {} (t = {:.6g} s) after {}: {} particles, {:.2f} M particle-steps/s, state hash {:016x}\n",
-      outcome.signal != 0 ? "Stopped" : "Done", s.last_step, s.simulated_time, duration_text(s.wall_s),
-      grouped(s.particles), s.particle_steps_per_s * 1e-6, s.state_hash);
+  put("\n{} at step {} (t = {:.6g} s) after {}\n", outcome.signal != 0 ? "Stopped" : "Done", s.last_step,
+      s.simulated_time, duration_text(s.wall_s));
+  put("{} particles, {:.2f} M particle-steps/s, state hash {:016x}\n", grouped(s.particles),
+      s.particle_steps_per_s * 1e-6, s.state_hash);
   put("Results are in {}/\n", folder);
   const auto line = [](const char* what, const std::string& path) {
     if (!path.empty()) put("  {:<12} {}\n", what, path);
@@ -64,7 +65,7 @@ void print_closing(const Options& options, const std::string& folder, const Summ
     put("Look at them:   paraview {}{}\n", outputs.paraview_file(),
         hdf ? "    (ParaView 5.12 or newer; output.vtp = true for older ones)" : "");
   }
-  put("Report:         {} report {}    (one HTML page with plots and pictures)\n", options.program, folder);
+  put("Report:         {} report {}    (a page with plots)\n", options.program, folder);
   if (outcome.signal != 0) put("Continue:       {} run {} --resume {}\n", options.program, options.scene, folder);
 }
 /// Table of the nodes of the step and where the threads' time went, for the timed steps (after --warm).
