@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A picture of a run's grains and walls: python3 draw.py RUN --out FILE.png [--by speed|size|material|COLUMN] [--time T].
 
-Every sphere has its true size; walls are outlines. Also the drawing part of the report (perf/report.py). Needs numpy and
+Spheres and superquadrics have their true shape and size; walls are outlines. Also the drawing part of the report (perf/report.py). Needs numpy and
 matplotlib. Files are small: 256 colours where Pillow is there.
 """
 import argparse
@@ -21,6 +21,7 @@ except ImportError as error:
     sys.exit(f"error: pictures need {error.name} (apt-get install python3-matplotlib)")
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from bodies import dressed  # noqa: E402
 from frames import open_frames  # noqa: E402
 from particle_picture import Camera, outlines, picture  # noqa: E402
 
@@ -33,6 +34,12 @@ COLOURS = matplotlib.colors.LinearSegmentedColormap.from_list(
 
 def wall_frames(source):
     return source if len(source) else None
+
+
+def bodies_at(folder, time):
+    """The frame of bodies of that time: points, columns, triangles; None in a run without bodies."""
+    source = open_frames(folder, "bodies")
+    return None if source is None or len(source) == 0 else source.read(int(np.argmin(np.abs(source.times - time))))
 
 
 def walls_at(walls, time):
@@ -65,7 +72,8 @@ def view_of(frames, walls, camera=None):
 
 
 def draw(frame, walls, camera, view, width, colours_of):
-    """A figure of one picture at 100 dots per inch; colours_of: RGBA of every particle."""
+    """A figure of one picture at 100 dots per inch; frame: x, r, columns, bodies (bodies_at()); colours_of: RGBA of every
+    particle."""
     points, triangles = walls
     aspect = (view[3] - view[2]) / (view[1] - view[0])
     figure = plt.figure(figsize=(width / 100, width * aspect / 100))
@@ -75,8 +83,9 @@ def draw(frame, walls, camera, view, width, colours_of):
         corners = camera.project(points)[:, :2][triangles]
         axes.add_collection(PolyCollection(corners, facecolors="#7d8fa5", alpha=max(0.012, 0.05 / (1 + len(triangles) / 200)),
                                            edgecolors="none", antialiased=False))
-    indices = np.arange(len(frame["r"]), dtype=float)
-    image = picture(frame["x"], frame["r"], indices, camera, view, width, lambda v: colours_of[v.astype(int)])
+    x, r, normals, row = dressed(frame["x"], frame["columns"], frame.get("bodies"))
+    image = picture(x, r, row.astype(float), camera, view, width, lambda v: colours_of[v.astype(int)], normals,
+                    np.median(frame["r"]))
     axes.imshow(image, extent=view, interpolation="antialiased", zorder=2)
     if len(triangles):
         lines = outlines(points, triangles, camera)
@@ -152,7 +161,7 @@ def main():
     if options.by not in ("speed", "size") and (options.by not in columns or columns[options.by].ndim != 1):
         names = ", ".join(name for name, values in columns.items() if values.ndim == 1)
         sys.exit(f"error: {options.folder}: the frames have no column '{options.by}'; there is speed, size, {names}")
-    frame = {"x": points, "r": columns["radius"]}
+    frame = {"x": points, "r": columns["radius"], "columns": columns, "bodies": bodies_at(options.folder, source.times[k])}
     shown = walls_at(walls if walls is not None and len(walls) else None, source.times[k])
     camera, view = view_of([frame], [shown])
     if options.azimuth is not None:

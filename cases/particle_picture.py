@@ -32,8 +32,9 @@ class Camera:
         return Camera(28, 14)
 
 
-def splat(centres, radii, values, frame, width):
-    """Depth and value per pixel of the nearest sphere; frame = (left, right, bottom, top) in view coordinates."""
+def splat(centres, radii, values, frame, width, normals):
+    """Depth, value and light per pixel of the nearest sphere; frame = (left, right, bottom, top), and the normals that are
+    not nan replace the sphere's own; both in view coordinates."""
     left, right, bottom, top = frame
     pixel = (right - left) / width
     height = max(1, int(np.ceil((top - bottom) / pixel)))
@@ -69,7 +70,9 @@ def splat(centres, radii, values, frame, width):
             at = at[order]
             depth[at] = z[order]
             colour[at] = values[row[order]]
-            light[at] = nx[hit][order] * direction[0] + ny[hit][order] * direction[1] + nz[order] * direction[2]
+            own = nx[hit][order] * direction[0] + ny[hit][order] * direction[1] + nz[order] * direction[2]
+            given = normals[row[order]] @ direction
+            light[at] = np.where(np.isnan(given), own, given)
     shape = (height, width)
     return depth.reshape(shape), colour.reshape(shape), light.reshape(shape)
 
@@ -85,19 +88,21 @@ def box_blur(image, size):
     return image
 
 
-def picture(points, radii, values, camera, frame, width, colours):
-    """RGBA image (float, 0..1) of the spheres; transparent where there is none. `colours` maps values to RGBA."""
+def picture(points, radii, values, camera, frame, width, colours, normals=None, scale=None):
+    """RGBA image (float, 0..1) of the spheres; transparent where there is none. `colours` maps values to RGBA; normals: see
+    bodies.dressed(); scale: size of a grain [m], by default the median radius."""
     width *= SUPERSAMPLING
     if len(points) == 0:
         ratio = (frame[3] - frame[2]) / (frame[1] - frame[0])
         return np.zeros((max(1, int(width * ratio)) // SUPERSAMPLING, width // SUPERSAMPLING, 4))
-    depth, colour, light = splat(camera.project(points), radii, values, frame, width)
+    turned = np.full((len(points), 3), np.nan) if normals is None else camera.project(normals)
+    depth, colour, light = splat(camera.project(points), radii, values, frame, width, turned)
     covered = np.isfinite(depth)
     rgba = np.zeros(depth.shape + (4,))
     rgba[covered] = colours(colour[covered])
     shade = 0.58 + 0.50 * np.clip(light, 0, 1)
     # Depth darkening: how far a pixel lies behind the mean of its neighbourhood, in grain radii.
-    scale = np.median(radii)
+    scale = np.median(radii) if scale is None else scale
     z = np.where(covered, depth, depth[covered].min() if covered.any() else 0.0)
     size = int(np.clip(1.5 * scale / (frame[1] - frame[0]) * width, 2, 40))
     behind = np.clip((box_blur(box_blur(z, size), size) - z) / (2.5 * scale), 0, 1)

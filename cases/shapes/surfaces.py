@@ -11,51 +11,15 @@ import sys
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from bodies import rotation, surface  # noqa: E402
 from frames import read_vtp  # noqa: E402
-
-
-def signed_power(x, p):
-    return np.sign(x) * np.abs(x) ** p
-
-
-def grid(points):
-    """Directions (polar, azimuth) of a sphere and its triangles."""
-    polar = np.linspace(-np.pi / 2, np.pi / 2, points // 2 + 1)
-    turn = np.arange(points) * 2 * np.pi / points
-    u, v = (g.ravel() for g in np.meshgrid(polar, turn, indexing="ij"))
-    triangles = []
-    for i in range(points // 2):
-        for j in range(points):
-            a, b = i * points + j, i * points + (j + 1) % points
-            c, d = a + points, b + points
-            triangles += ([[a, b, d]] if i > 0 else []) + ([[a, d, c]] if i < points // 2 - 1 else [])
-            if i == 0:
-                continue
-    return u, v, np.array(triangles)
-
-
-def surface(axes, exponents, points):
-    """Points of the surface at the origin in its own axes, and triangles."""
-    u, v, triangles = grid(points)
-    e1, e2 = 2 / exponents[0], 2 / exponents[1]
-    ring = np.abs(np.cos(u)) ** e1
-    x = np.column_stack((ring * signed_power(np.cos(v), e2), ring * signed_power(np.sin(v), e2),
-                         signed_power(np.sin(u), e1)))
-    return x * axes, triangles
-
-
-def rotation(q):
-    w, x, y, z = q
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
 
 
 def surfaces(centres, columns, points):
     """All superquadrics of a frame: points, triangles, columns."""
     all_points, all_triangles, owner, base = [], [], [], 0
     for k in np.flatnonzero(columns["semi_axes"][:, 0] > 0):
-        x, triangles = surface(columns["semi_axes"][k], columns["exponents"][k], points)
+        x, _, triangles = surface(columns["semi_axes"][k], columns["exponents"][k], points)
         all_points.append(centres[k] + x @ rotation(columns["orientation"][k]).T)
         all_triangles.append(triangles + base)
         owner.append(np.full(len(x), k))

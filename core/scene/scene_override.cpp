@@ -68,7 +68,9 @@ void apply_override(TomlNode& root, const std::string& text, SceneContext& conte
       TomlNode* entry = number && at < size ? &next->list[at] : nullptr;
       if (entry == nullptr || !entry->is_table())
         throw Error(ErrorCode::scene,
-                    fmt::format("{}: {}: not an entry; the scene has {} [[{}]]", so_far, index, size, section), where,
+                    fmt::format("{}{}: {}; the scene has {} [[{}]]", so_far, index.empty() ? "" : "." + index,
+                                index.empty() ? "one key of many entries" : "not an entry", size, section),
+                    where,
                     fmt::format("write {}.INDEX.key with INDEX from 0", so_far));
       table = entry;
       so_far += "." + index;

@@ -7,7 +7,7 @@ import tomllib
 
 import numpy as np
 
-from draw import wall_frames
+from draw import bodies_at, wall_frames
 from frames import open_frames
 
 
@@ -20,13 +20,16 @@ class Run:
         self.scene = self._part("scene.toml", lambda p: open(p, encoding="utf-8", errors="replace").read())
         self.series = self._part("series.csv", read_series)
         self.frames = self._frames("particles", read_frames) if with_frames else None
+        for frame in self.frames or []:
+            frame["bodies"] = self._part("bodies.pvd", lambda _, at=frame["time"]: bodies_at(folder, at), wanted=False)
         self.walls = self._frames("walls", wall_frames, wanted=False) if with_frames else None
         self.keys = scene_keys(self.scene)
 
-    def _part(self, name, reader):
+    def _part(self, name, reader, wanted=True):
         path = os.path.join(self.folder, name)
         if not os.path.exists(path):
-            self.notes.append(f"{name} is missing")
+            if wanted:
+                self.notes.append(f"{name} is missing")
             return None
         try:
             return reader(path)

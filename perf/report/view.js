@@ -27,24 +27,28 @@ for (const box of document.querySelectorAll(".view")) {
   }
   // `turn` takes positions to the view (right, up, towards the viewer); `half`: half the width and height that are seen.
   const spheres = program(`
-    layout(location=0) in vec2 corner; layout(location=1) in vec4 grain; layout(location=2) in float value;
+    layout(location=0) in vec2 corner; layout(location=1) in vec4 grain; layout(location=2) in float value; layout(location=3) in vec3 given;
     uniform mat3 turn; uniform vec2 half_size, shift; uniform float reach; uniform sampler2D scale; uniform vec4 cut; uniform float gain;
-    out vec2 at; out vec3 colour; out float depth, radius; out float gone;
+    out vec2 at; out vec3 colour; out float depth, radius; out float gone; out vec3 facing;
     void main() {
       vec3 p = turn * grain.xyz;
-      at = corner; radius = grain.w; depth = p.z;
+      at = corner; radius = grain.w; depth = p.z; facing = turn * given;
       colour = texture(scale, vec2(min(value * gain, 1.0), 0.5)).rgb;
       gone = dot(cut.xyz, grain.xyz) > cut.w ? 1.0 : 0.0;
       gl_Position = vec4((p.xy + shift + 1.02 * radius * corner) / half_size, 0.0, 1.0);
     }`, `
-    in vec2 at; in vec3 colour; in float depth, radius, gone; uniform float reach; out vec4 pixel;
+    in vec2 at; in vec3 colour; in float depth, radius, gone; in vec3 facing; uniform float reach; out vec4 pixel;
     void main() {
       float rim = 1.0 - dot(at, at) * 1.0404;
       if (rim <= 0.0 || gone > 0.5) discard;
       vec3 normal = vec3(1.02 * at, sqrt(rim));
       gl_FragDepth = 0.5 - 0.5 * (depth + radius * normal.z) / reach;
+      if (dot(facing, facing) > 0.25) {  // a piece of a superquadric's surface; none of its far side
+        normal = normalize(facing);
+        if (normal.z < -0.1) discard;
+      }
       float light = max(dot(normal, normalize(vec3(-0.35, 0.55, 0.76))), 0.0);
-      pixel = vec4(colour * (0.42 + 0.62 * light) * (0.72 + 0.28 * smoothstep(0.0, 0.55, normal.z)), 1.0);
+      pixel = vec4(colour * (0.42 + 0.62 * light) * (0.72 + 0.28 * smoothstep(0.0, 0.55, abs(normal.z))), 1.0);
     }`);
   const edges = program(`
     layout(location=0) in vec3 at; uniform mat3 turn; uniform vec2 half_size, shift; uniform float reach;
@@ -67,6 +71,7 @@ for (const box of document.querySelectorAll(".view")) {
   gl.bindVertexArray(quads);
   attribute(0, buffer(new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1])), 2, gl.FLOAT, false, 0);
   attribute(1, buffer(grains), 4, gl.FLOAT, false, 1);
+  if (data.normals) attribute(3, buffer(new Int8Array(bytes(data.normals))), 3, gl.BYTE, true, 1);
   gl.bindVertexArray(wires);
   attribute(0, buffer(lines), 3, gl.FLOAT, false, 0);
   const colours = gl.createTexture();

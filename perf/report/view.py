@@ -9,6 +9,7 @@ import json
 
 import numpy as np
 
+from bodies import dressed
 from draw import COLOURS, MATERIALS, walls_at
 from particle_picture import Camera, outlines
 
@@ -49,6 +50,15 @@ def packed(values, low, high):
     return text_of(np.round(65535 * np.clip((values - low) / (high - low if high > low else 1), 0, 1)), "<u2")
 
 
+def grains_of(frame):
+    """Positions, radii, normals and rows of the spheres that show the frame (bodies.dressed()). Superquadrics are shown by
+    their spheres where there are too many of them for surfaces."""
+    bodies = frame.get("bodies")
+    most = 0 if bodies is None else MOST_GRAINS // max(1, len(bodies[0]))
+    around = next((n for n in (32, 24, 20, 16) if n * (n // 2 + 1) <= most), 0)
+    return dressed(np.asarray(frame["x"], float), frame["columns"], bodies if around else None, around)
+
+
 def columns_of(run, frame, chosen):
     columns = []
     ramp = np.round(255 * COLOURS(np.linspace(0, 1, 256))[:, :3])
@@ -73,8 +83,9 @@ def columns_of(run, frame, chosen):
 def view_html(run):
     """The last frame as a block of the page."""
     frame = run.frames[-1]
-    x, r = np.asarray(frame["x"], float), np.asarray(frame["r"], float)
+    x, r, normals, row = grains_of(frame)
     chosen = visible_first(x, r, MOST_GRAINS)
+    rows = row[chosen]
     lower, upper = np.min(x - r[:, None], axis=0), np.max(x + r[:, None], axis=0)
     camera = Camera.for_bounds(lower, upper)
     segments = outlines(*walls_at(run.walls, frame["time"]))
@@ -95,16 +106,18 @@ def view_html(run):
     along = x @ cut
     span = float(np.abs(x).max())
     farthest = max(1.0, float(np.linalg.norm(segments, axis=2).max()) if len(segments) else 0)
-    columns = columns_of(run, frame, chosen)
+    columns = columns_of(run, frame, rows)
     data = {
         "count": len(chosen), "grains": text_of(np.concatenate([np.round((x / span + 1) / 2 * 65535), np.round(r / r.max() * 65535)[:, None]], axis=1), "<u2"),
-        "span": span, "largest": float(r.max()), "ids": text_of(np.asarray(frame["columns"].get("id", np.arange(len(frame["r"]))))[chosen], "<u4"),
+        "span": span, "largest": float(r.max()), "ids": text_of(np.asarray(frame["columns"].get("id", np.arange(len(frame["r"]))))[rows], "<u4"),
         "lines": text_of(segments, "<f4"), "reach": 1.05 * farthest, "columns": columns, "cut": cut.tolist(),
         "fit": (1.03 * fit).tolist(), "near": [float(along.min()), float(along.max())],
         "azimuth": float(np.degrees(np.arctan2(camera.right[1], camera.right[0]))), "elevation": float(np.degrees(np.arcsin(camera.towards[2]))),
     }
+    if not np.isnan(normals).all():
+        data["normals"] = text_of(np.round(127 * np.nan_to_num(normals[chosen])), "i1")
     options = "".join(f"<option>{html.escape(c['name'])}</option>" for c in columns)
-    some = "" if len(chosen) == len(frame["r"]) else f" · {grouped(len(chosen))} of {grouped(len(frame['r']))} grains, the outer ones first"
+    some = "" if len(chosen) == len(x) else f" · {grouped(len(chosen))} of {grouped(len(x))} grains, the outer ones first"
     return f"""<div class=view><canvas></canvas><div class=values></div>
 <p class=none hidden>This browser shows no WebGL 2; the pictures below need none.</p>
 <div class=controls><label>colour <select aria-label="colour by">{options}</select></label>

@@ -197,6 +197,10 @@ TEST(Report, TheSolidFractionsOfAllLayersMakeTheVolumeOfTheGrains) {
   EXPECT_EQ(std::system("/usr/bin/python3 " TALUS_SOURCE_DIR "/tests/io/check_profiles.py"), 0);
 }
 
+TEST(Report, PicturesShowSuperquadricsByTheirSurface) {
+  EXPECT_EQ(std::system("/usr/bin/python3 " TALUS_SOURCE_DIR "/tests/io/check_bodies.py"), 0);
+}
+
 TEST(Report, ABrowserZoomsReadsValuesAndDrawsSpheres) {
   TemporaryFolder t;
   const auto f = example(t / "out");
