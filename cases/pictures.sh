@@ -20,4 +20,4 @@ picture incline small.toml 45000 --azimuth 25 --elevation 25
 picture avalanche small.toml 16000 --azimuth 30 --elevation 30 --no-walls
 picture levelling small.toml 60000 --azimuth 20 --elevation 20
 NAME=lentils picture shapes lentil-heap.toml 150000 --azimuth 25 --elevation 20 --no-walls
-NAME=wheat picture shapes wheat-drum.toml 100000 --azimuth 15 --elevation 12
+NAME=wheat picture shapes wheat-drum.toml 40000 --azimuth 15 --elevation 12
