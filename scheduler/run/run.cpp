@@ -52,6 +52,9 @@ class Runner {
     } catch (const Error& e) {
       if (e.code() != ErrorCode::physics && e.code() != ErrorCode::io) throw;
       out_.failure = e.what();
+      // A part that judges its own state knows no clock.
+      if (e.code() == ErrorCode::physics && !out_.failure.starts_with("step "))
+        out_.failure = fmt::format("step {}: {}", simulation_.step(), out_.failure);
       out_.code = e.code();
       if (out_.seconds == 0) out_.seconds = seconds_since(begin_);
       say_warnings();

@@ -210,6 +210,13 @@ TEST_F(Cases, MovingGratesStirTheBedThatRestsOnStillOnes) {
   EXPECT_GT(moving, 5 * still) << "kinetic energy of the bed before the feed starts";
 }
 
+TEST_F(Cases, AFurnaceThatCannotBeCountedNamesStepPlaceAndCure) {
+  const Result r = run("grates/furnace.toml", {"time.duration=0.03", "heat.temperature=5000"});
+  EXPECT_EQ(r.exit_code, 4);
+  EXPECT_NE(r.err.find("error: step 320: gas: "), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("a smaller gas.every"), std::string::npos) << r.err;
+}
+
 // The furnace for a second, its wood all but dry and hot so that it burns within it: what grains lose the gas has.
 TEST_F(Cases, FurnaceBurnsItsWoodAndClosesItsBooks) {
   // Wet wood that begins at 600 K boils at once; hotter, its steam would blow grains against the vault.
