@@ -156,6 +156,8 @@ Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool fri
   const double slid = a.start != 0 && !touched_now ? 0 : touched_now ? k.delta / -k.vn : a.dt, ct = c.gt * k.meff;
   const Vec3 before = xi - dot(xi, k.n) * k.n;
   xi = before + slid * k.vt;
+  if (a.balanced != 0 && touched_now && a.start == 0 && c.kt > 0)
+    xi = xi - (ct / c.kt) * k.vt;  // there is no limit yet
   const double grow = a.centred != 0 ? 1 + 0.5 * 3.5 * a.dt * c.gt : 1;
   Vec3 ft = (-1 / grow) * (c.kt * xi + ct * k.vt);
   const double limit = c.mu * (a.total != 0 ? std::max(fn, 0.0) : c.kn * k.delta), size = norm(ft);

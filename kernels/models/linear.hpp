@@ -28,7 +28,8 @@
 //   rule of second order, rho = gamma_t m_eff/(k_t dt):
 //     xi_n = (rho^2 xi_{n-1} - (rho L(n-1/2) + L/2) g/(|g| k_t))/(rho^2 + rho + 1/2)
 //   Without a dashpot that is xi = -L g/(|g| k_t).
-// - balanced: the spring takes the scaled force less the dashpot, as vectors, which may load it backwards (LAMMPS).
+// - balanced: the spring takes the scaled force less the dashpot, as vectors, which may load it backwards (LAMMPS). It
+//   does so at once at the instant of touch, where the limit is nothing: xi = -gamma_t m_eff v_t/k_t.
 // History: with friction 3 columns, the tangential spring xi [m], oriented i - j; centred and damped: one more, the
 // predicted velocity [m/s].
 // Reads kn, kt [N/m], gn, gt [1/s] (or 2 beta [-] with by_restitution), mu.
@@ -268,10 +269,11 @@ double linear_force(Block& block, const LawArgs& args) {
                                a.dt);
     const B step = S::abs(vn) * dt;
     const auto brief = S::lt(delta, step);
-    B slid = travel;         // how long the tangential spring has moved with the spheres
-    B since = hdt * vn;      // overlap at the middle of that time less the present one
-    B rho = meff * f.relax;  // see CoulombLimit
-    B counted = one;         // 0: the last step has counted the dashpot to the end
+    B slid = travel;                 // how long the tangential spring has moved with the spheres
+    B since = hdt * vn;              // overlap at the middle of that time less the present one
+    B rho = meff * f.relax;          // see CoulombLimit
+    B counted = one;                 // 0: the last step has counted the dashpot to the end
+    [[maybe_unused]] B jump = zero;  // balanced: how long the spring has run backwards
     B fn = f.spring_n * delta - f.rate_n * (meff * vd);
     // a contact that would pull exerts nothing until it parts
     const auto clip = [&] {
@@ -287,6 +289,8 @@ double linear_force(Block& block, const LawArgs& args) {
         touch(slid, dt * u);
         touch(since, zero - half * delta);
         touch(rho, rho / u);
+        if constexpr (!Trial)
+          if (a.balanced != 0) touch(jump, f.gt * (meff * f.soft));
       }
       B weight = S::select(brief, half + u, one);
       const auto leaves = S::gt(vn, zero);
@@ -335,6 +339,8 @@ double linear_force(Block& block, const LawArgs& args) {
       B g[3], trial[3];
       for (int p = 0; p < 3; ++p) {
         h[p] = trial[p] = (h[p] - hn * n[p]) + t[p] * slid;
+        if constexpr (!Trial)
+          if (a.balanced != 0) h[p] = h[p] - t[p] * jump;
         g[p] = zero - (f.spring_t * h[p] + rate * t[p]);
       }
       B press = spring_force, creep = f.cap * (half * delta + rho * (delta + since));
