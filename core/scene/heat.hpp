@@ -21,7 +21,9 @@ struct MatterHeat {
   Curve capacity;      ///< [J/kg/K]
   Curve conductivity;  ///< [W/m/K]
   double emissivity = 0.9;
-  double young = 0;  ///< real modulus [Pa]; 0: that of the contact law
+  double young = 0;                  ///< real modulus [Pa]; 0: that of the contact law
+  double solidus = 0, liquidus = 0;  ///< between which it melts [K]
+  double latent_heat = 0;            ///< of melting [J/kg]; 0: it does not
 };
 
 /// Of the grains of a source.
@@ -62,6 +64,17 @@ struct RadiationHeat {
   double range = 1.5;   ///< largest gap between two grains that see each other / their mean radius
 };
 
+/// A beam from above, along -z, whose axis moves along straight lines between way points.
+struct Laser {
+  TimeTable power;             ///< [W]
+  double radius = 0;           ///< at which the intensity is 1/e2 of that on the axis [m]
+  double absorptivity = 0;     ///< of the first grain that a ray meets
+  std::vector<double> x, y;    ///< way points [m]
+  double speed = 0;            ///< [m/s]
+  double start = 0, stop = 0;  ///< on from start on, off from stop or its last way point on [s]
+  std::int64_t rays = 48;      ///< along each side of the square that they fill
+};
+
 struct HeatScene {
   bool on = false;
   std::int64_t every = 100;  ///< steps per heat step
@@ -74,6 +87,7 @@ struct HeatScene {
   GasHeat gas;
   GapHeat gap;
   RadiationHeat radiation;
+  std::vector<Laser> lasers;
 };
 
 /// Distance from the middle of a grain of radius r within which it exchanges something with a wall [m].

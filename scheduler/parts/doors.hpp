@@ -1,6 +1,7 @@
 // How heat, conversion and gas of the same grains work together, all at the ends of the same steps: what each shows the
 // others, found by part_as<T>(view.parts). Nodes run in this order:
 //
+//   laser_step       what beams give each grain
 //   gas_step         the gas makes its step with the surface temperatures that grains have; what it gives each grain
 //   heat_step        all that reaches the surfaces of grains; lumped grains take it
 //   conversion_step  grains with shells take it, and set the temperatures of their surfaces; what they release goes to
@@ -79,6 +80,14 @@ class GasCells {
   /// settle.
   virtual void give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double temperature) = 0;
   virtual void settle() = 0;
+};
+
+/// Part "laser".
+class LaserLight {
+ public:
+  virtual ~LaserLight() = default;
+  virtual double heat(Row i) const = 0;  ///< absorbed by the grain in the heat step that ends [W]
+  virtual double absorbed() const = 0;   ///< by all grains since the start [J]
 };
 
 }  // namespace talus

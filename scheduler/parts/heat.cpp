@@ -94,6 +94,10 @@ class Heat final : public Part, public GrainHeat {
     temperature.output = true;
     columns.add(temperature, s_.temperature, &s_.next_temperature);
     columns.add(info("enthalpy", "J", "heat", true, k_seed + 1), s_.enthalpy, &s_.next_enthalpy);
+    ColumnInfo molten = info("molten", "-", "material.heat.latent_heat", true, 0);
+    molten.in = s_.any_melts;
+    molten.output = s_.any_melts;
+    columns.add(molten, s_.molten, &s_.next_molten);
     columns.add(info("heat flow", "W", "heat", false, 0), s_.flow);
     columns.add(info("heat conductance", "W/K", "heat", false, 0), s_.conductance);
     ColumnInfo loss = info("heat of friction", "J", "heat.friction", true, k_seed + 2);
@@ -117,6 +121,8 @@ class Heat final : public Part, public GrainHeat {
                                {{"temperature"}, {"enthalpy"}},
                                s_.scene.every,
                                [this](const PartView& w, const Chunk&) { heat_step(s_, w); }}};
+    if (!s_.scene.lasers.empty()) all[1].reads.push_back({"laser heat"});
+    if (s_.any_melts) all[1].writes.push_back({"molten"});
     if (std::find(s_.shells.begin(), s_.shells.end(), 1) != s_.shells.end())
       for (PartNode& n : all) n.reads.push_back({"grain surface", true});
     if (s_.scene.friction)
@@ -141,9 +147,11 @@ class Heat final : public Part, public GrainHeat {
             fmt::format("source {} holds the temperature of grains that convert, which follow their shells", source),
             rules_.scene.file, "hold_temperature = false");
       // the heat of grains with shells is conversion's
-      const double E = s_.shells[m] != 0 ? 0 : mass_of(rules_, rows, i) * s_.matter[m].capacity.integral(h.temperature);
+      const double E = s_.shells[m] != 0 ? 0 : mass_of(rules_, rows, i) * s_.matter[m].enthalpy.at(h.temperature);
       s_.temperature[at] = s_.next_temperature[at] = h.temperature;
       s_.enthalpy[at] = s_.next_enthalpy[at] = E;
+      if (s_.any_melts)
+        s_.molten[at] = s_.next_molten[at] = s_.matter[m].enthalpy.molten(s_.matter[m].enthalpy.at(h.temperature));
       if (s_.any_held) s_.held[at] = static_cast<std::int16_t>(h.held ? source + 1 : 0);
       s_.totals.sources += E;
     }
@@ -153,6 +161,7 @@ class Heat final : public Part, public GrainHeat {
     if (s_.clock == nullptr || s_.last_step < 0 || s_.clock->step - 1 != s_.last_step) return;
     std::swap(s_.temperature, s_.next_temperature);
     std::swap(s_.enthalpy, s_.next_enthalpy);
+    std::swap(s_.molten, s_.next_molten);
     s_.totals = s_.totals_before;
     s_.last_step = -1;
   }
@@ -216,7 +225,9 @@ std::vector<PartValue> Heat::values(const PartView& w) const {
     }
   const double all = sum_rows(w.rows, [&](std::size_t i) { return s_.enthalpy[i]; });
   const double sum = sum_rows(w.rows, [&](std::size_t i) { return s_.temperature[i]; });
-  const double in = t.sources - t.removed + t.walls + t.gas + t.radiation + t.friction + t.held + t.inside;
+  const auto* laser = part_as<LaserLight>(w.parts);
+  const double in = t.sources - t.removed + t.walls + t.gas + t.radiation + t.friction + t.held + t.inside +
+                    (laser != nullptr ? laser->absorbed() : 0.0);
   const bool any = w.rows.alive > 0;
   std::vector<PartValue> out{{"heat.total", "J", all},
                              {"heat.in_by_sources", "J", t.sources - t.removed},
@@ -229,6 +240,11 @@ std::vector<PartValue> Heat::values(const PartView& w) const {
                              {"heat.lowest", "K", any ? low : 0.0},
                              {"heat.mean", "K", any ? sum / static_cast<double>(w.rows.alive) : 0.0},
                              {"heat.highest", "K", high}};
+  if (laser != nullptr) out.push_back({"heat.in_by_laser", "J", laser->absorbed()});
+  if (s_.any_melts)
+    out.push_back({"heat.molten", "kg", sum_rows(w.rows, [&](std::size_t i) {
+                     return mass_of(rules_, w.rows, static_cast<Row>(i)) * s_.molten[i];
+                   })});
   if (part_as<GrainInside>(w.parts) != nullptr) out.push_back({"heat.into_shells", "J", -t.inside});
   for (std::size_t k = 0; k < s_.scene.walls.size(); ++k)
     out.push_back({"heat.flow." + s_.scene.walls[k].wall, "W", s_.wall_flow[k]});
@@ -264,10 +280,13 @@ HeatState::HeatState(const Rules& rules) : scene(rules.scene.heat) {
   const double cold = coldest(scene);
   for (const MatterHeat& m : scene.matter) {
     HeatMatter q;
-    q.capacity = heat::Property::of(m.capacity);
+    const heat::Property capacity = heat::Property::of(m.capacity);
+    q.enthalpy =
+        m.latent_heat > 0 ? heat::Enthalpy(capacity, m.solidus, m.liquidus, m.latent_heat) : heat::Enthalpy(capacity);
+    any_melts = any_melts || q.enthalpy.melts();
     q.conductivity = heat::Property::of(m.conductivity);
     q.emissivity = m.emissivity;
-    q.least_capacity = q.capacity.least_on(cold, k_hot);
+    q.least_capacity = capacity.least_on(cold, k_hot);
     matter.push_back(q);
   }
   for (std::size_t k = 0; k < matter.size(); ++k)

@@ -13,14 +13,15 @@
 #include <vector>
 
 #include "core/heat/convection.hpp"
-#include "core/heat/property.hpp"
+#include "core/heat/enthalpy.hpp"
 #include "scheduler/parts/doors.hpp"
 
 namespace talus {
 
 /// Matter of a scene, ready to be asked.
 struct HeatMatter {
-  heat::Property capacity, conductivity;
+  heat::Enthalpy enthalpy;
+  heat::Property conductivity;
   double emissivity = 0;
   double least_capacity = 0;  ///< [J/kg/K]
 };
@@ -47,9 +48,10 @@ struct HeatState {
   std::vector<HeatMatter> matter;
   std::vector<HeatPair> pairs;  ///< materials squared
   std::vector<char> shells;     ///< by material: the part conversion computes its grains
-  bool any_held = false;
+  bool any_held = false, any_melts = false;
 
   Column<double> temperature, next_temperature, enthalpy, next_enthalpy;  ///< [K], [J]
+  Column<double> molten, next_molten;                                     ///< share of the grain
   Column<double> loss;                                                    ///< since the last heat step [J]
   Column<double> flow, conductance;                                       ///< of the present heat step [W], [W/K]
   Column<std::int16_t> held;  ///< source + 1 of grains that keep their temperature

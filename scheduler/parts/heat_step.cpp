@@ -46,7 +46,12 @@ struct BlockSums {
 class HeatStep {
  public:
   HeatStep(HeatState& s, const PartView& w)
-      : s_(s), w_(w), dt_(s.dt(w)), gas_(part_as<GasCells>(w.parts)), inside_(part_as<GrainInside>(w.parts)) {
+      : s_(s),
+        w_(w),
+        dt_(s.dt(w)),
+        gas_(part_as<GasCells>(w.parts)),
+        inside_(part_as<GrainInside>(w.parts)),
+        laser_(part_as<LaserLight>(w.parts)) {
     blocks_ = (w.rows.n + k_rows - 1) / k_rows;
     sums_.resize(static_cast<std::size_t>(blocks_));
   }
@@ -225,6 +230,7 @@ class HeatStep {
       double open = 1;
       if (!near_.empty()) open = exchange_near(sum, near_[static_cast<std::size_t>(b)], q++, i);
       if (gas) sum.gas = sum.gas + add_gas(i);
+      if (laser_ != nullptr) s_.flow[at] = s_.flow[at] + laser_->heat(i);
       if (enclosure > 0)
         sum.radiation = sum.radiation + add(at,
                                             heat::k_stefan * (open * surface(i) * s_.emissivity(w_, inside_, i)) *
@@ -253,18 +259,6 @@ class HeatStep {
 
   // --- the new state -------------------------------------------------------------------------------------------------
 
-  /// Temperature at which the capacity has integrated to `per_mass` [J/kg], from one that is near.
-  static double temperature_of(const heat::Property& capacity, double per_mass, double near) {
-    if (!capacity.varies()) return per_mass / capacity.at(0.0);
-    double T = near;
-    for (int k = 0; k < 60; ++k) {
-      const double step = (per_mass - capacity.integral(T)) / capacity.at(T);
-      T = T + step;
-      if (step * step <= 1e-30 * (T * T)) break;
-    }
-    return T;
-  }
-
   void advance(int b) {
     BlockSums& sum = sums_[static_cast<std::size_t>(b)];
     sum.source.assign(s_.source_flow.size(), 0.0);
@@ -272,6 +266,7 @@ class HeatStep {
       const auto at = static_cast<std::size_t>(i);
       s_.next_enthalpy[at] = s_.enthalpy[at];
       s_.next_temperature[at] = s_.temperature[at];
+      if (s_.any_melts) s_.next_molten[at] = s_.molten[at];
       double heat = dt_ * s_.flow[at];
       if (s_.scene.friction) {
         heat = heat + s_.loss[at];
@@ -287,8 +282,9 @@ class HeatStep {
         if (s_.scene.friction) s_.flow[at] = heat / dt_;
       } else {
         s_.next_enthalpy[at] = s_.enthalpy[at] + heat;
-        s_.next_temperature[at] = temperature_of(
-            matter(i).capacity, s_.next_enthalpy[at] / mass_of(w_.rules, w_.rows, i), s_.temperature[at]);
+        const double per_mass = s_.next_enthalpy[at] / mass_of(w_.rules, w_.rows, i);
+        s_.next_temperature[at] = matter(i).enthalpy.temperature(per_mass, s_.temperature[at]);
+        if (s_.any_melts) s_.next_molten[at] = matter(i).enthalpy.molten(per_mass);
       }
       if (!(s_.next_temperature[at] > 0)) sum.worst = i;
     });
@@ -321,6 +317,7 @@ class HeatStep {
   const double dt_;
   const GasCells* gas_;
   const GrainInside* inside_;
+  const LaserLight* laser_;
   int blocks_ = 0;
   std::vector<BlockSums> sums_;
   std::vector<NearRows> near_;
@@ -373,6 +370,7 @@ void heat_step(HeatState& s, const PartView& w) {
   HeatStep(s, w).run();
   std::swap(s.temperature, s.next_temperature);
   std::swap(s.enthalpy, s.next_enthalpy);
+  std::swap(s.molten, s.next_molten);
   s.last_step = w.clock.step;
 }
 

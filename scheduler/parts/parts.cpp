@@ -9,11 +9,12 @@ std::unique_ptr<Part> make_tracer(const Rules& rules);
 std::unique_ptr<Part> make_heat(const Rules& rules);
 std::unique_ptr<Part> make_conversion(const Rules& rules);
 std::unique_ptr<Part> make_gas(const Rules& rules);
+std::unique_ptr<Part> make_laser(const Rules& rules);
 
 Parts make_parts(const Rules& rules) {
   Parts parts;
-  // gas before heat before conversion: doors.hpp
-  for (const auto make : {make_tracer, make_gas, make_heat, make_conversion})
+  // laser and gas before heat before conversion: doors.hpp
+  for (const auto make : {make_tracer, make_laser, make_gas, make_heat, make_conversion})
     if (auto part = make(rules)) parts.all.push_back(std::move(part));
   return parts;
 }

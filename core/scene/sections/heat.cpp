@@ -70,6 +70,27 @@ const Keys<MatterHeat> k_material(
             .absent("(heat.emissivity)")
             .with(k_with),
         key("young", &MatterHeat::young, "Pa", k_positive, "real modulus", "7e10").absent("(heat.young)").with(k_with),
+        key("latent_heat", &MatterHeat::latent_heat, "J/kg", k_positive,
+            "of melting; needs solidus and liquidus. Particle files gain `molten` (share of the grain), the series "
+            "heat.molten. A molten grain stays the sphere that it was: it neither spreads nor sticks",
+            "2.7e5")
+            .absent("(it does not melt)")
+            .fixed(k_enthalpy)
+            .with(k_with)
+            .beside("solidus = 1650\nliquidus = 1700"),
+        key("solidus", &MatterHeat::solidus, "K", k_kelvin, "melting begins", "1650")
+            .absent("(none)")
+            .fixed(k_enthalpy)
+            .with(k_with)
+            .beside("liquidus = 1700\nlatent_heat = 2.7e5"),
+        key("liquidus", &MatterHeat::liquidus, "K", k_kelvin,
+            "melting ends; the latent heat is spread evenly over the sensible heat in between, at equal ends the "
+            "temperature stays",
+            "1700")
+            .absent("(none)")
+            .fixed(k_enthalpy)
+            .with(k_with)
+            .beside("solidus = 1650\nlatent_heat = 2.7e5"),
     });
 
 const Keys<SourceHeat> k_source(
@@ -170,13 +191,27 @@ void read_wall(const SceneTable& r, Scene& scene) {
   scene.heat.walls.push_back(w);
 }
 
+void check_melting(const SceneTable& material, const MatterHeat& m) {
+  const bool any = material.has("latent_heat") || material.has("solidus") || material.has("liquidus");
+  if (!any) return;
+  for (const char* name : {"latent_heat", "solidus", "liquidus"})
+    if (!material.has(name)) material.missing(name, "since a material that melts needs latent_heat, solidus, liquidus");
+  if (m.liquidus < m.solidus) material.fail("liquidus", "must not be below the solidus");
+}
+
 /// Materials take what they lack from [heat].
 void read_matter(const SceneTable& heat, const std::vector<SceneTable>& materials, const General& general,
                  HeatScene& h) {
   h.matter.assign(materials.size(), general);
   for (std::size_t k = 0; k < materials.size(); ++k) {
     MatterHeat& m = h.matter[k];
-    if (materials[k].has("heat")) k_material.read(materials[k].section("heat"), m);
+    if (materials[k].has("heat")) {
+      const SceneTable own = materials[k].section("heat");
+      k_material.read(own, m);
+      check_melting(own, m);
+      if (materials[k].has("grain") && own.has("latent_heat"))
+        own.fail("latent_heat", "has no effect beside a grain file, whose shells do not melt");
+    }
     if (materials[k].has("grain")) {  // its grain file says it; this is what nobody reads
       if (!m.capacity.given()) m.capacity = Curve::constant(1);
       if (!m.conductivity.given()) m.conductivity = Curve::constant(1);

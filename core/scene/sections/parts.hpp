@@ -13,11 +13,13 @@ struct PartSections {
   void (*read)(const SceneTable& root, Scene& scene);  ///< after all other sections. Error{scene}
 };
 
-const PartSections &shape_sections(), &tracer_sections(), &heat_sections(), &conversion_sections(), &gas_sections();
+const PartSections &shape_sections(), &tracer_sections(), &heat_sections(), &laser_sections(), &conversion_sections(),
+    &gas_sections();
 
 /// In the order in which they are read.
 inline std::vector<const PartSections*> part_sections() {
-  return {&tracer_sections(), &heat_sections(), &conversion_sections(), &gas_sections(), &shape_sections()};
+  return {&tracer_sections(),     &heat_sections(), &laser_sections(),
+          &conversion_sections(), &gas_sections(),  &shape_sections()};
 }
 
 }  // namespace talus
