@@ -70,8 +70,7 @@ void apply_override(TomlNode& root, const std::string& text, SceneContext& conte
         throw Error(ErrorCode::scene,
                     fmt::format("{}{}: {}; the scene has {} [[{}]]", so_far, index.empty() ? "" : "." + index,
                                 index.empty() ? "one key of many entries" : "not an entry", size, section),
-                    where,
-                    fmt::format("write {}.INDEX.key with INDEX from 0", so_far));
+                    where, fmt::format("write {}.INDEX.key with INDEX from 0", so_far));
       table = entry;
       so_far += "." + index;
       ++i;
