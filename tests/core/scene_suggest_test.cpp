@@ -58,7 +58,8 @@ TEST(SuggestKey, LooksAtTheWholePathAndAtTheMeaning) {
       {"list.k", "list.verlet_k"},
       {"contact.normal-stiffness", "contact.normal_stiffness"},
       {"qqqqq", ""},
-      {"x", ""},
+      {"x", "laser.x"},
+      {"q", ""},
       {"", ""},
       {"....", ""},
   };

@@ -5,6 +5,7 @@ namespace talus {
 namespace {
 
 constexpr std::string_view k_with = "[heat]\ntemperature = 300\ncapacity = 800\nconductivity = 1\n";
+constexpr std::string_view k_speed = "speed = 0.02";
 constexpr double k_least_rays = 4, k_most_rays = 1000;
 
 const Keys<Laser> k_laser(
@@ -15,35 +16,47 @@ const Keys<Laser> k_laser(
      "laser.emitted = laser.absorbed + laser.reflected + laser.passed (past all grains)"},
     k_acts,
     {
-        key("power", &Laser::power, "W", k_not_negative, "of the beam while it is on", "100").required().with(k_with),
+        key("power", &Laser::power, "W", k_not_negative, "of the beam while it is on", "100")
+            .required()
+            .with(k_with)
+            .beside(k_speed),
         key("radius", &Laser::radius, "m", k_size,
             "at which the intensity is 1/e2 of that on the axis: 2 P/(pi w2) exp(-2 r2/w2). Rays fill a square of four "
             "radii; the 1e-4 of the power that lies beyond is shared among them",
             "5e-5")
             .required()
-            .with(k_with),
+            .with(k_with)
+            .beside(k_speed),
         key("absorptivity", &Laser::absorptivity, "-", {0, 1},
             "share that a grain takes of the rays that meet it; the rest is lost. That of a bed is higher than that of "
             "a surface, since grains reflect onto each other",
             "0.6")
             .required()
-            .with(k_with),
+            .with(k_with)
+            .beside(k_speed),
         key("x", &Laser::x, "m", k_coordinate, "of the way points of its axis", "[0.001, 0.003]")
             .required()
-            .with(k_with),
-        key("y", &Laser::y, "m", k_coordinate, "of the way points, as many as of x", "[0, 0]").required().with(k_with),
+            .with(k_with)
+            .beside(k_speed),
+        key("y", &Laser::y, "m", k_coordinate, "of the way points, as many as of x", "[0, 0]")
+            .required()
+            .with(k_with)
+            .beside(k_speed),
         key("speed", &Laser::speed, "m/s", k_positive, "along straight lines between them; needed where there are two",
-            "0.5")
+            "0.02")
             .absent("(it stands)")
             .with(k_with),
         key("start", &Laser::start, "s", k_not_negative, "it is switched on and leaves the first way point", "0.01")
-            .with(k_with),
+            .with(k_with)
+            .beside(k_speed),
         key("stop", &Laser::stop, "s", k_positive, "it is switched off, if its way has not ended before", "0.02")
             .absent("(at the last way point; one that stands: never)")
-            .with(k_with),
+            .with(k_with)
+            .beside(k_speed),
         key("rays", &Laser::rays, "-", {k_least_rays, k_most_rays},
             "along each side of their square: 12 times radius over grain radius is fine enough", "48")
-            .with(k_with),
+            .with(k_with)
+            .beside(k_speed),
     });
 
 constexpr double k_most_travel = 0.5;  // of the radius, per heat step
