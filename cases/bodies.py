@@ -1,4 +1,6 @@
 """Surfaces of superquadrics for pictures. Used by draw.py, the report and shapes/surfaces.py."""
+import functools
+
 import numpy as np
 
 
@@ -6,6 +8,7 @@ def signed_power(x, p):
     return np.sign(x) * np.abs(x) ** p
 
 
+@functools.lru_cache(maxsize=4)  # the same for every body of a picture
 def grid(points):
     """Directions (polar, azimuth) of a sphere and its triangles."""
     polar = np.linspace(-np.pi / 2, np.pi / 2, points // 2 + 1)
@@ -17,8 +20,6 @@ def grid(points):
             a, b = i * points + j, i * points + (j + 1) % points
             c, d = a + points, b + points
             triangles += ([[a, b, d]] if i > 0 else []) + ([[a, d, c]] if i < points // 2 - 1 else [])
-            if i == 0:
-                continue
     return u, v, np.array(triangles)
 
 
@@ -29,8 +30,8 @@ def surface(axes, exponents, points):
     ring = np.abs(np.cos(u)) ** e1
     x = np.column_stack((ring * signed_power(np.cos(v), e2), ring * signed_power(np.sin(v), e2),
                          signed_power(np.sin(u), e1)))
-    normal = np.column_stack((np.abs(np.cos(u)) ** (2 - e1) * signed_power(np.cos(v), 2 - e2),
-                              np.abs(np.cos(u)) ** (2 - e1) * signed_power(np.sin(v), 2 - e2),
+    ring = np.abs(np.cos(u)) ** (2 - e1)
+    normal = np.column_stack((ring * signed_power(np.cos(v), 2 - e2), ring * signed_power(np.sin(v), 2 - e2),
                               signed_power(np.sin(u), 2 - e1))) / axes
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
     return x * axes, normal, triangles

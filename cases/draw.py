@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """A picture of a run's grains and walls: python3 draw.py RUN --out FILE.png [--by speed|size|material|COLUMN] [--time T].
 
-Spheres and superquadrics have their true shape and size; walls are outlines. Also the drawing part of the report (perf/report.py). Needs numpy and
-matplotlib. Files are small: 256 colours where Pillow is there.
+Spheres and superquadrics have their true shape and size; walls are outlines. Also the drawing part of the report
+(perf/report.py). Needs numpy and matplotlib. Files are small: 256 colours where Pillow is there.
 """
 import argparse
 import io

@@ -104,11 +104,17 @@ def open_frames(folder, stem="particles"):
     return max(found, key=lambda f: f.times[-1] if len(f) else -1.0) if found else None
 
 
-def frames(folder):
-    """(time [s], positions [n, 3], radii [n]) of every particle frame of a run."""
+def whole_frames(folder):
+    """(time [s], positions [n, 3], columns by name) of every particle frame of a run."""
     source = open_frames(folder)
     if source is None:
         raise SystemExit(f"{folder} holds no particle frames: run the scene first, with output.particles_every > 0")
     for k in range(len(source)):
         points, columns, _ = source.read(k)
-        yield float(source.times[k]), points.astype(float), columns["radius"].astype(float)
+        yield float(source.times[k]), points.astype(float), columns
+
+
+def frames(folder):
+    """(time [s], positions [n, 3], radii [n]) of every particle frame of a run."""
+    for time, points, columns in whole_frames(folder):
+        yield time, points, columns["radius"].astype(float)

@@ -19,5 +19,6 @@ picture grates small.toml 75000 --azimuth 12 --elevation 12
 picture incline small.toml 45000 --azimuth 25 --elevation 25
 picture avalanche small.toml 16000 --azimuth 30 --elevation 30 --no-walls
 picture levelling small.toml 60000 --azimuth 20 --elevation 20
+NAME=track picture levelling laser.toml 82000 --by temperature --time 0.0241 --azimuth 15 --elevation 35
 NAME=lentils picture shapes lentil-heap.toml 150000 --azimuth 25 --elevation 20 --no-walls
 NAME=wheat picture shapes wheat-drum.toml 40000 --azimuth 15 --elevation 12

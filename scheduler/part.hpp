@@ -90,6 +90,8 @@ class Part {
   virtual void sizes(const PartView&, const Chunk&, const RowSizes&) const {}
   /// Its columns of the time series, of the present step. Their number and names never change in a run.
   virtual std::vector<PartValue> values(const PartView&) const { return {}; }
+  /// Why it, or something of it, never acts in the run; empty where it does. Said as a warning.
+  virtual std::string idle(const Rules&) const { return {}; }
   /// Lines of `talus check`.
   virtual std::vector<std::string> advice(const PartView&) const { return {}; }
   /// Work that its forces have done on the grains since the start [J]; counted like that of walls. Only with energies.

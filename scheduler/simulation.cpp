@@ -39,15 +39,19 @@ namespace {
 
 /// A part whose own steps are farther apart than the run is long does nothing: that is rarely meant.
 void warn_of_idle_parts(const Rules& rules, const Clock& clock, const Parts& parts, Monitor& monitor) {
-  for (const auto& p : parts.all)
+  const auto warn = [&](const Part& p, const std::string& why, double value) {
+    monitor.warnings.push_back(
+        {"part", fmt::format("part '{}' {}: it never acts", p.name(), why), clock.step, 1, value, 0});
+  };
+  for (const auto& p : parts.all) {
+    if (const std::string why = p->idle(rules); !why.empty()) warn(*p, why, 0);
     for (const PartNode& n : p->nodes())
       if (n.every > rules.scene.steps) {
-        monitor.warnings.push_back({"part",
-                                    fmt::format("part '{}' acts every {} steps, and the run has {}: it never acts",
-                                                p->name(), n.every, rules.scene.steps),
-                                    clock.step, 1, static_cast<double>(n.every), 0});
+        warn(*p, fmt::format("acts every {} steps, and the run has {}", n.every, rules.scene.steps),
+             static_cast<double>(n.every));
         break;
       }
+  }
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ sys.dont_write_bytecode = True
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.dirname(HERE))
 import case_files  # noqa: E402
-from frames import open_frames  # noqa: E402
+from frames import whole_frames  # noqa: E402
 
 PITCH, DIAMETER, ACROSS, HIGH = 0.01, 0.0098, 3, 40  # [m], [m], grains
 VELOCITY, HOT, COLD, PRESSURE = 3.0, 305.0, 300.0, 101325.0
@@ -68,7 +68,7 @@ def main():
         return 0 if args.make else parser.error("a folder, or --make")
     per_length, per_time = numbers()
     curves = []
-    for t, x, columns in frames_of(args.folder):
+    for t, x, columns in whole_frames(args.folder):
         if not t > 0:
             continue
         z = np.unique(np.round(x[:, 2], 6))
@@ -80,16 +80,6 @@ def main():
     if not args.no_picture:
         picture(os.path.join(args.folder, "schumann.svg"), curves)
     return 0
-
-
-def frames_of(folder):
-    """Time, places, columns of each frame."""
-    source = open_frames(folder)
-    if source is None:
-        raise SystemExit(f"schumann.py: no frames in {folder}")
-    for k in range(len(source)):
-        points, columns, _ = source.read(k)
-        yield float(source.times[k]), points.astype(float), columns
 
 
 def picture(path, curves):

@@ -1,7 +1,7 @@
 // Enthalpy of a material that may melt: that of its capacity, and between solidus and liquidus the latent heat, spread
 // evenly over the sensible heat there (with a constant capacity: linear in temperature; with equal ends: a plateau).
 // Who calls it: scheduler/parts/heat. Invariant: the enthalpy is the state, temperature and molten fraction follow from
-// it, so that melting and freezing keep energy to rounding.
+// it, so that melting and freezing keep energy to rounding (the enthalpy method, Voller and Cross 1981).
 #pragma once
 
 #include <utility>

@@ -118,6 +118,8 @@ def view_html(run):
         data["normals"] = text_of(np.round(127 * np.nan_to_num(normals[chosen])), "i1")
     options = "".join(f"<option>{html.escape(c['name'])}</option>" for c in columns)
     some = "" if len(chosen) == len(x) else f" · {grouped(len(chosen))} of {grouped(len(x))} grains, the outer ones first"
+    if "normals" not in data and frame.get("bodies") is not None and (frame["bodies"][1].get("semi_axes", np.zeros((1, 3))) > 0).any():
+        some += " · superquadrics as the spheres around them"
     return f"""<div class=view><canvas></canvas><div class=values></div>
 <p class=none hidden>This browser shows no WebGL 2; the pictures below need none.</p>
 <div class=controls><label>colour <select aria-label="colour by">{options}</select></label>

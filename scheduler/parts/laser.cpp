@@ -105,6 +105,14 @@ class Lasers final : public Part, public LaserLight {
             {"laser.passed", "J", totals_.passed}};
   }
 
+  std::string idle(const Rules& rules) const override {
+    const double end = static_cast<double>(rules.scene.steps) * rules.scene.dt;
+    for (const Laser& l : all_)
+      if (l.start >= end)
+        return fmt::format("has a beam that is switched on at {:.6g} s, and the run ends at {:.6g} s", l.start, end);
+    return {};
+  }
+
   std::vector<std::string> advice(const PartView& w) const override {
     std::vector<std::string> lines;
     for (std::size_t k = 0; k < all_.size(); ++k) {
@@ -152,7 +160,7 @@ class Lasers final : public Part, public LaserLight {
     const double power = spot.on ? l.power(t) : 0;
     if (!(power > 0)) return;
     find_first(w, l, rays, spot);
-    double absorbed = 0, passed = 0;
+    double absorbed = 0, reflected = 0, passed = 0;
     const std::size_t n = rays.offset.size();
     for (std::size_t q = 0; q < first_.size(); ++q) {
       const double ray = power * (rays.share[q % n] * rays.share[q / n]);
@@ -163,13 +171,14 @@ class Lasers final : public Part, public LaserLight {
       double& into = heat_[static_cast<std::size_t>(first_[q])];
       into = into + l.absorptivity * ray;
       absorbed = absorbed + l.absorptivity * ray;
+      reflected = reflected + (1 - l.absorptivity) * ray;
     }
     const double dt = every * w.rules.scene.dt;
     power_ = power_ + power;
     totals_.emitted = totals_.emitted + dt * power;
     totals_.absorbed = totals_.absorbed + dt * absorbed;
     totals_.passed = totals_.passed + dt * passed;
-    totals_.reflected = totals_.reflected + dt * (power - (absorbed + passed));
+    totals_.reflected = totals_.reflected + dt * reflected;
   }
 
   /// The highest grain below each ray, of all images of the grains.

@@ -111,36 +111,12 @@ TEST(FurnaceBits, DependOnTheTrajectoryAlone) {
   EXPECT_GT(value_of(first, "conversion.released_CO"), 1e-4 * mass);
   EXPECT_GT(value_of(first, "conversion.released_H2O"), 0);
   EXPECT_NE(value_of(first, "heat.in_by_friction"), 0);
-  for (const Variant& way :
-       {Variant{ListPolicy::paper, 10, 2, 64, Isa::sse2}, Variant{ListPolicy::always, 0, 3, 257, Isa::scalar},
-        Variant{ListPolicy::two_largest, 200, 2, 100, Isa::avx2},
-        Variant{ListPolicy::outer_inner, 100, 8, 64, Isa::automatic}}) {
-    Simulation sim(way.apply(s), way.options());
-    sim.run(k_run);
-    EXPECT_TRUE(final_of(sim) == wanted) << way.text();
-  }
+  expect_same_in_other_ways(s, k_run, wanted);
 }
 
 TEST(FurnaceBits, ResumeGoesOnToTheBitWhileGrainsComeAndGo) {
   const Scene s = furnace();
-  RunOptions o;
-  o.threads = 2;
-  Simulation whole(s, o);
-  whole.run(k_run);
-  for (const std::int64_t at : {20, 733}) {  // before the first step of the parts, and between two
-    const std::string path = temporary_file("furnace.checkpoint");
-    {
-      Simulation half(s, o);
-      half.run(at);
-      CheckpointWriter out;
-      half.save(out);
-      out.commit(path);
-    }
-    o.chunk = 64;
-    Simulation rest(s, o, CheckpointReader(path));
-    rest.run(k_run - at);
-    EXPECT_TRUE(final_of(rest) == final_of(whole)) << at;
-  }
+  expect_same_after_resume(s, k_run, {20, 733});  // before the first step of the parts, and between two
 }
 
 TEST(FurnaceBits, BooksCloseWhileGrainsComeShrinkAndGo) {

@@ -44,36 +44,13 @@ TEST(Gas, ValuesDependOnTheTrajectoryAlone) {
     EXPECT_GT(value_of(first, "gas.mass_in"), 0);
     EXPECT_GT(value_of(first, "gas.force_z"), 0);
     EXPECT_GT(value_of(first, "gas.temperature_max"), 310);
-    for (const Variant& way :
-         {Variant{ListPolicy::paper, 10, 2, 64, Isa::sse2}, Variant{ListPolicy::always, 0, 3, 257, Isa::scalar},
-          Variant{ListPolicy::outer_inner, 100, 8, 64, Isa::automatic}}) {
-      Simulation sim(way.apply(s), way.options());
-      sim.run(k_run);
-      EXPECT_TRUE(final_of(sim) == wanted) << s.title << ": " << way.text();
-    }
+    expect_same_in_other_ways(s, k_run, wanted);
   }
 }
 
 TEST(Gas, ResumeGoesOnToTheBit) {
   const Scene s = blown(hopper());
-  RunOptions o;
-  o.threads = 2;
-  Simulation whole(s, o);
-  whole.run(k_run);
-  for (const std::int64_t at : {20, 777}) {  // before the first gas step, and between two
-    const std::string path = temporary_file("gas.checkpoint");
-    {
-      Simulation half(s, o);
-      half.run(at);
-      CheckpointWriter out;
-      half.save(out);
-      out.commit(path);
-    }
-    o.chunk = 64;
-    Simulation rest(s, o, CheckpointReader(path));
-    rest.run(k_run - at);
-    EXPECT_TRUE(final_of(rest) == final_of(whole)) << at;
-  }
+  expect_same_after_resume(s, k_run, {20, 777});  // before the first gas step, and between two
 }
 
 TEST(Gas, BalancesHoldWhileGrainsComeAndGo) {

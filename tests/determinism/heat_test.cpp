@@ -39,34 +39,13 @@ TEST(HeatPart, ValuesDependOnTheTrajectoryAlone) {
     Simulation first(plain.apply(s), plain.options());
     first.run(k_run);
     const Final wanted = final_of(first);
-    for (const Variant& way :
-         {Variant{ListPolicy::paper, 10, 2, 64, Isa::sse2}, Variant{ListPolicy::always, 0, 3, 257, Isa::scalar},
-          Variant{ListPolicy::outer_inner, 100, 8, 64, Isa::automatic}}) {
-      Simulation sim(way.apply(s), way.options());
-      sim.run(k_run);
-      EXPECT_TRUE(final_of(sim) == wanted) << s.title << ": " << way.text();
-    }
+    expect_same_in_other_ways(s, k_run, wanted);
   }
 }
 
 TEST(HeatPart, ResumeGoesOnToTheBitBetweenTwoHeatSteps) {
   const Scene s = heated(hopper());
-  RunOptions o;
-  o.threads = 2;
-  Simulation whole(s, o);
-  whole.run(k_run);
-  const std::string path = temporary_file("heat.checkpoint");
-  {
-    Simulation half(s, o);
-    half.run(733);  // 8 steps into a heat step
-    CheckpointWriter out;
-    half.save(out);
-    out.commit(path);
-  }
-  o.chunk = 64;
-  Simulation rest(s, o, CheckpointReader(path));
-  rest.run(k_run - 733);
-  EXPECT_TRUE(final_of(rest) == final_of(whole));
+  expect_same_after_resume(s, k_run, {733});  // 8 steps into a heat step
 }
 
 TEST(HeatPart, ChangesNoMotionAndIsLeftOutWhereTheSceneDoesNotAsk) {

@@ -7,9 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "scheduler/step/access.hpp"
-#include "tests/determinism/scenes.hpp"
-#include "tests/determinism/variants.hpp"
-#include "tests/part_values.hpp"
+#include "tests/determinism/part_final.hpp"
 
 namespace talus::determinism {
 namespace {
@@ -28,19 +26,6 @@ std::vector<double> column_of(const Simulation& sim) {
   const Frame f = sim.frame();
   EXPECT_EQ(f.extra.size(), 1U);
   return f.extra.empty() ? std::vector<double>{} : f.extra[0].values;
-}
-
-struct Final {
-  std::uint64_t hash;
-  std::vector<double> column, values;
-  std::string bytes;
-  bool operator==(const Final&) const = default;
-};
-
-Final final_of(const Simulation& sim) {
-  Final f{sim.state_hash(), column_of(sim), {}, checkpoint_bytes(sim)};
-  for (const PartValue& v : sim.part_values()) f.values.push_back(v.value);
-  return f;
 }
 
 TEST(Tracer, TotalIsConservedToRoundingWhileContactsMixAndGrainsComeAndGo) {
@@ -101,35 +86,13 @@ TEST(Tracer, ValuesDependOnTheTrajectoryAlone) {
     Simulation first(plain.apply(s), plain.options());
     first.run(k_run);
     const Final wanted = final_of(first);
-    for (const Variant& way :
-         {Variant{ListPolicy::paper, 10, 2, 64, Isa::sse2}, Variant{ListPolicy::always, 0, 3, 257, Isa::scalar},
-          Variant{ListPolicy::two_largest, 200, 2, 100, Isa::automatic},
-          Variant{ListPolicy::outer_inner, 100, 8, 64, Isa::automatic}}) {
-      Simulation sim(way.apply(s), way.options());
-      sim.run(k_run);
-      EXPECT_TRUE(final_of(sim) == wanted) << s.title << ": " << way.text();
-    }
+    expect_same_in_other_ways(s, k_run, wanted);
   }
 }
 
 TEST(Tracer, ResumeGoesOnToTheBit) {
   const Scene s = traced(hopper(), usual_rate(hopper()));
-  RunOptions o;
-  o.threads = 2;
-  Simulation whole(s, o);
-  whole.run(k_run);
-  const std::string path = temporary_file("tracer.checkpoint");
-  {
-    Simulation half(s, o);
-    half.run(733);
-    CheckpointWriter out;
-    half.save(out);
-    out.commit(path);
-  }
-  o.chunk = 64;
-  Simulation rest(s, o, CheckpointReader(path));
-  rest.run(k_run - 733);
-  EXPECT_TRUE(final_of(rest) == final_of(whole));
+  expect_same_after_resume(s, k_run, {733});
 }
 
 TEST(Tracer, WithoutMixingOnlyTheMotionOfGrainsRaisesTheIndex) {

@@ -85,7 +85,7 @@ TEST(Melting, PlateauLastsAsLongAsTheLatentHeatAsks) {
 
 TEST(Melting, ATouchingPairSharesItsEnthalpyAndEndsAtTheMeltingPoint) {
   Scene s = metal({{0, 0, 0}, {1.98 * k_R, 0, 0}}, 2e-6);
-  // half of the excess of the hot one melts half of both
+  // the hot one holds what brings both to the melting point and melts a quarter of each
   const double excess = 2 * (k_c * (k_melts - 300) + 0.25 * k_latent);
   s.heat.sources[0].temperature = 300 + (excess - k_latent) / k_c;
   Simulation sim(s, options());
@@ -147,6 +147,19 @@ TEST(Laser, FollowsItsWayPointsAndIsOffBeforeAndBehind) {
   EXPECT_EQ(column(sim, "temperature", 2), 300);
   EXPECT_NEAR(value_of(sim, "laser.emitted"), 0.5 * 2 * a / speed, 1e-12);
   EXPECT_EQ(value_of(sim, "laser.power"), 0);
+}
+
+TEST(Laser, ABeamThatIsNeverOnIsSaid) {
+  for (const bool late : {false, true}) {
+    Scene s = metal({{0, 0, 0}}, 1e-6);
+    s.steps = 100;
+    s.heat.lasers = {beam(1, k_R, 1)};
+    s.heat.lasers[0].start = late ? 1e-4 : 9.9e-5;
+    const Simulation sim(s, options());
+    int said = 0;
+    for (const Warning& w : sim.warnings()) said += w.text.find("switched on at 0.0001 s") != std::string::npos;
+    EXPECT_EQ(said, late ? 1 : 0);
+  }
 }
 
 }  // namespace
