@@ -10,7 +10,7 @@ namespace {
 
 struct Kinematics {
   Vec3 n, vt;
-  double d, delta, vn, meff, lever;
+  double d, delta, vn, meff, lever, turned;  ///< turned: v_t^2 dt/d, by which v_n grows as the normal turns [m/s]
 };
 
 Kinematics kinematics(const Pair& p, const LawArgs& a) {
@@ -30,21 +30,62 @@ Kinematics kinematics(const Pair& p, const LawArgs& a) {
     n = (1 / norm(mid)) * mid;
     c = (1 / k.d) * mid;  // the lever follows the distance at mid-step
   }
+  k.turned = a.synchronised != 0 ? a.dt * (dot(v, v) - k.vn * k.vn) / k.d : 0;
   // surface velocities: v_i + w_i x (-l_i n), v_j + w_j x (l_j n) with l = lever * radius
   k.vt = v - dot(v, n) * n - cross((k.lever * p.ri) * p.wi + (k.lever * p.rj) * p.wj, c);
   return k;
 }
 
 /// Relative normal velocity at n without the pair's own force. `spring`: elastic normal force.
-double dashpot_velocity(const Pair& p, const Kinematics& k, const LawArgs& a, double spring, double predicted) {
+double dashpot_velocity(const Kinematics& k, const LawArgs& a, double spring, double predicted, double arc = 0) {
   if (a.recall == 0) return k.vn;
   if (predicted == 0) {
-    const bool touched_now = k.delta < -k.vn * a.dt;
+    const bool touched_now = k.delta < -k.vn * a.dt + arc;
     return touched_now ? k.vn : k.vn - 0.5 * a.dt * spring / k.meff;
   }
-  const Vec3 v = p.vi - p.vj;
-  const double turned = a.synchronised != 0 ? a.dt * (dot(v, v) - k.vn * k.vn) / k.d : 0;
-  return k.vn + 0.5 * (k.vn - predicted - turned);
+  return k.vn + 0.5 * (k.vn - predicted - k.turned);
+}
+
+/// What a step counts of spring and dashpot: 1 and 1 but where the contact touches within it or parts before the next
+/// one, then their impulses over the time in contact.
+struct Share {
+  double spring = 1, dashpot = 1;
+  bool touches = false, parts = false;
+};
+
+/// Normal force of the linear law with that share; c: dashpot [kg/s], seen: velocity that it sees.
+/// arc: what the distance grows by in a step because the pair moves past each other [m].
+double normal_force(const Kinematics& k, const LawArgs& a, double kn, double c, double seen, bool predicted, double arc,
+                    Share& share) {
+  const auto force = [&] {
+    return (share.spring * kn * k.delta - share.dashpot * c * seen) /
+           (a.centred != 0 ? 1 + 0.5 * a.dt * share.dashpot * c / k.meff : 1);
+  };
+  double fn = force();
+  if (a.centred == 0 || a.onset == 0) return fn;
+  const bool memory = a.recall != 0, brief = k.delta < std::abs(k.vn) * a.dt;
+  // by the step before, which foresaw the end
+  const bool counted = memory && a.start == 0 && !predicted && k.vn > 0 && brief;
+  double way = (memory && k.vn > 0 ? k.vn + a.dt * fn / k.meff : std::abs(k.vn)) * a.dt + arc;
+  share.touches = k.vn < 0 && k.delta < way && !(memory && predicted);
+  share.parts = k.vn > 0 && (counted || k.delta < (memory ? 17.0 / 16 : 1) * way);
+  if (counted) {
+    share.spring = share.dashpot = 0;
+    return 0;
+  }
+  if (!share.touches && !share.parts) return fn;
+  const double u = k.delta / std::max(way, k.delta / 1.5);
+  if (memory) share.spring = 0.5 * (0.5 + u) * (0.5 + u) / u;
+  share.dashpot = 0.5 + u;
+  return force();
+}
+
+/// What a contact has slipped before it sticks within its first steps [m]: excess over the limit e0 at the beginning,
+/// relaxing with the time c/kt towards a line that falls to e1 at the end of the time slid; the integral of e/c to its
+/// zero, with the logarithm as a fraction.
+double early_slip(double e0, double e1, double relaxation, double slid, double kt) {
+  const double y = e0 / (relaxation * (e0 - e1) / slid);
+  return e0 / kt * (1 - (6 + 3 * y) / (6 + 6 * y + y * y));
 }
 
 /// Spring force [N] after a step of sliding at the limit, along the unit vector of the trial force:
@@ -140,20 +181,19 @@ Result assemble(const Pair& p, const Kinematics& k, double fn, Vec3 ft) {
 Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& xi, double& predicted) {
   const Kinematics k = kinematics(p, a);
   const double scale = a.by_restitution != 0 ? std::sqrt(c.kn / k.meff) : 1;
-  double gamma_n = c.gn * scale;
-  const bool brief = a.centred != 0 && a.onset != 0 && k.delta < std::abs(k.vn) * a.dt;
-  if (brief) {
-    const bool counted = a.recall != 0 && predicted == 0 && k.vn > 0;  // by the step before, which foresaw the end
-    gamma_n *= counted ? 0 : 0.5 + k.delta / (std::abs(k.vn) * a.dt);
-  }
-  double fn = c.kn * k.delta - gamma_n * k.meff * dashpot_velocity(p, k, a, c.kn * k.delta, predicted);
-  if (a.centred != 0) fn /= 1 + 0.5 * a.dt * gamma_n;
+  Share share;
+  const double arc = a.recall != 0 && a.centred != 0 && a.onset != 0 ? 0.5 * a.dt * k.turned : 0;
+  const double seen = dashpot_velocity(k, a, c.kn * k.delta, predicted, arc);
+  double fn = normal_force(k, a, c.kn, c.gn * scale * k.meff, seen, predicted != 0, arc, share);
   if (a.clip != 0) fn = std::max(fn, 0.0);
-  predicted = brief && k.vn > 0 ? 0 : k.vn + a.dt * fn / k.meff;
+  predicted = share.parts ? 0 : k.vn + a.dt * fn / k.meff;
   if (!friction) return assemble(p, k, fn, {});
   // in the step in which they touch, the spheres have slid past each other only since then
-  const bool touched_now = a.centred != 0 && a.onset != 0 && k.vn < 0 && k.delta < -k.vn * a.dt;
-  const double slid = a.start != 0 && !touched_now ? 0 : touched_now ? k.delta / -k.vn : a.dt, ct = c.gt * k.meff;
+  const bool touched_now = share.touches;
+  const double slid = a.start != 0 && !touched_now ? 0
+                      : touched_now                ? k.delta / (arc / a.dt - k.vn)
+                                                   : a.dt,
+               ct = c.gt * k.meff;
   const Vec3 before = xi - dot(xi, k.n) * k.n;
   xi = before + slid * k.vt;
   if (a.balanced != 0 && touched_now && a.start == 0 && c.kt > 0)
@@ -161,6 +201,17 @@ Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool fri
   const double grow = a.centred != 0 ? 1 + 0.5 * 3.5 * a.dt * c.gt : 1;
   Vec3 ft = (-1 / grow) * (c.kt * xi + ct * k.vt);
   const double limit = c.mu * (a.total != 0 ? std::max(fn, 0.0) : c.kn * k.delta), size = norm(ft);
+  const bool early = k.vn < 0 && k.delta < -3 * k.vn * a.dt, series = a.balanced == 0 && a.total == 0;
+  if (a.centred != 0 && a.onset != 0 && a.start == 0 && early && series && ct > 0 && size < limit) {
+    const Vec3 old = c.kt * before + ct * k.vt;
+    const double was = touched_now ? 0 : limit + c.mu * c.kn * k.vn * a.dt;
+    const double e0 = norm(old) - was + std::min(grow - 1, 1.0) * was;
+    if (e0 > 0 && norm(old) > 0) {
+      const Vec3 slip = (early_slip(e0, size - limit, ct / c.kt, slid, c.kt) / norm(old)) * old;
+      xi = xi - slip;
+      ft = ft + (c.kt / grow) * slip;
+    }
+  }
   if (size > limit) {
     const Vec3 along = (1 / size) * ft;
     ft = limit * along;
@@ -171,7 +222,13 @@ Result linear(const Pair& p, const PairParameters& c, const LawArgs& a, bool fri
       spring = a.balanced != 0 ? grow * ft + ct * k.vt : creep((-c.kt) * before, along, ct, c.kt * slid, limit, middle);
     xi = (-1 / c.kt) * spring;
   }
-  return assemble(p, k, fn, ft);
+  double weight = a.total != 0 ? 1 : share.spring;
+  // a spring that keeps its force until the limit, which falls to zero in the time left, has come down to it
+  if (share.parts && share.dashpot > 0 && a.recall != 0 && a.total == 0 && norm(ft) > 0) {
+    const double left = share.dashpot - 0.5, held = left * (1 - size / limit);
+    if (held > -0.5) weight = size / norm(ft) * (0.5 + 0.5 * (held + left));
+  }
+  return assemble(p, k, fn, weight * ft);
 }
 
 Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, bool friction, Vec3& ft, double& radius,
@@ -188,7 +245,7 @@ Result hertz_mindlin(const Pair& p, const PairParameters& c, const LawArgs& a, b
     const double q = 0.5 + u;
     cn *= counted ? 0 : 0.8 * q * std::sqrt(std::sqrt(q / u));  // q^(5/4) / (5/4 u^(1/4))
   }
-  double fn = elastic - cn * dashpot_velocity(p, k, a, elastic, predicted);
+  double fn = elastic - cn * dashpot_velocity(k, a, elastic, predicted);
   if (a.centred != 0) fn /= 1 + 0.5 * a.dt * cn / k.meff;
   if (a.clip != 0) fn = std::max(fn, 0.0);
   predicted = brief && k.vn > 0 ? 0 : k.vn + a.dt * fn / k.meff;

@@ -46,11 +46,8 @@ int longest_comment(const std::string& text) {
 
 TEST(Words, NoCommentIsLongerThanFifteenLines) {
   EXPECT_EQ(longest_comment("// a\n  /// b\nint x; // c\n// d\n"), 2);
-  // A derivation that waits for a place of its own; a name that is no longer needed here is taken off.
-  const std::set<std::string> longer{"kernels/models/linear.hpp"};
   for (const char* folder : {"core", "kernels", "scheduler", "cases/program", "tests", "perf"})
-    for (const fs::path& file : sources_of(folder))
-      EXPECT_LE(longest_comment(read(file)), longer.count(name_of(file)) != 0 ? 40 : 15) << name_of(file);
+    for (const fs::path& file : sources_of(folder)) EXPECT_LE(longest_comment(read(file)), 15) << name_of(file);
 }
 
 }  // namespace

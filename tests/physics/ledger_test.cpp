@@ -62,7 +62,8 @@ TEST(PhysicsLedger, OfABouncingGrainClosesAndHoldsTheLossOfTheClosedForm) {
            fine.first / (1 - e * e) - 1);
     // midpoint rule over 25 and 50 steps per contact; the grain also gains m g delta on its way, 1e-3 of the energy
     EXPECT_LT(coarse.residual, 1e-3) << e;
-    EXPECT_LT(fine.residual, 0.35 * coarse.residual) << e;
+    // what is left at 1e-5 depends on the phases of seven bounces
+    EXPECT_LT(fine.residual, std::max(0.35 * coarse.residual, 1e-5)) << e;
     EXPECT_NEAR(fine.first, 1 - e * e, 5e-3) << e;
   }
 }

@@ -170,6 +170,19 @@ TEST(PhysicsLinearImpact, ErrorIsSecondOrderAtEveryPhase) {
   }
 }
 
+TEST(PhysicsLinearImpact, TwentyStepsPerContactAreEnoughAtEveryPhase) {
+  // Where the speed before a step says that the pair parts and the kick says that it does not (or the other way
+  // round), the end was counted twice or not at all: 9e-3 in 2 % of the phases.
+  for (const double e : {0.98, 0.9, 0.8, 0.7}) {
+    Setting q;
+    q.e = e;
+    q.steps_per_contact = 20;
+    const double worst = quantile(impacts(q).restitution, 1);
+    figure("linear centred, e " + std::to_string(e).substr(0, 4) + ", 20 steps: largest restitution error", worst);
+    EXPECT_LT(worst, 1.2e-3) << e;
+  }
+}
+
 TEST(PhysicsLinearImpact, WithoutOnsetCorrectionIncommensurateStepsAreFirstOrder) {
   // The control of the test above: it can tell the difference.
   Setting q;

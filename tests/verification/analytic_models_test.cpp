@@ -47,7 +47,9 @@ TEST(AnalyticModel, BouncingGrainFollowsItsThreeStages) {
         return {r + v2 * q - 0.5 * g * q * q, v2 - g * q};
       };
       worst_y = std::max(worst_y, std::fabs(f.x[0].z - at(sim.time()).first));
-      worst_v = std::max(worst_v, std::fabs(f.v[0].z - at(sim.time() - 0.5 * dt).second));
+      // the last kick of a contact holds all of it that is left, up to a step
+      if (std::fabs(sim.time() - 0.5 * dt - (t1 + t2)) > 1.5 * dt)
+        worst_v = std::max(worst_v, std::fabs(f.v[0].z - at(sim.time() - 0.5 * dt).second));
     }
     const std::string name = "MFiX DEM01, e " + std::to_string(e).substr(0, 3);
     figure(name + ": largest error of height / drop", worst_y / (h0 - r));
@@ -166,7 +168,8 @@ TEST(AnalyticModel, ObliqueReboundsLieOnTheHardSphereMap) {
     }
   for (const double ratio : {1.0 / 14.0, 1.0 / 7.0, 2.0 / 7.0, 0.5})
     for (const double psi : {0.2, 1.0}) {
-      const Impact q = linear_impact(1, ratio, 1000, vn, psi * vn, 0, 4000);
+      // Coulomb's limit closes within the last F_t/(mu F_n) of the contact, here 1e-6 of it
+      const Impact q = linear_impact(1, ratio, 1e6, vn, psi * vn, 0, 4000);
       const double beta = -((q.vt - q.w) / q.vn) / psi;
       stick = std::max(stick, std::fabs(beta + std::cos(k_pi * std::sqrt(3.5 * ratio))));
     }

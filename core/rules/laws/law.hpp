@@ -39,7 +39,8 @@ struct Law {
   /// Stiffness follows from the elastic constants of the materials, which are then required, and grows with the load;
   /// else from contact.normal_stiffness.
   bool by_modulus = false;
-  bool balanced = false;           ///< has contact.sliding = "balanced"
+  bool balanced = false;       ///< has contact.sliding = "balanced"
+  bool weighs_spring = false;  ///< with contact.onset_correction and the memory of recalls(), also without a dashpot
   std::string_view never_clips{};  ///< why contact.clip_tension is refused; empty: it is not
   /// Coefficients of the pair of materials a and b, but for friction.
   PairParameters (*parameters)(const Scene&, int a, int b);

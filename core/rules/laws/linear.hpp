@@ -67,6 +67,7 @@ inline constexpr Law k_linear{
     .what = "spring and dashpot",
     .force = {.name = "linear", .force = LawForce::linear, .history = 3, .flips = 0b111, .trial = true},
     .balanced = true,
+    .weighs_spring = true,
     .parameters = linear_parameters,
     .dynamics = linear_dynamics,
     .overlaps = linear_overlaps,

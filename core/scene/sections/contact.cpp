@@ -72,7 +72,9 @@ const Keys<Contact> k_contact(
             "\"lagged\"")
             .fixed(k_history),
         key("onset_correction", &ContactLaw::onset_correction,
-            "weigh the dashpot by the touching fraction of the first and last step of a contact", "false")
+            "weigh the dashpot (linear law: and the spring) by the touching fraction of the first and last step of a "
+            "contact",
+            "false")
             .fixed(k_history),
         key("clip_tension", &ContactLaw::clip_tension,
             "the normal force never pulls (the dashpot would, towards the end of a contact); damping from a "
