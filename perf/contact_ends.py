@@ -55,14 +55,12 @@ class Contact:
             early = 17 / 16 if weighs else 1  # rather now than never: the sum is the same
             enters, leaves = brief & (vn < 0), (vn > 0) & (counted | (delta < early * ahead * dt))
             speed = np.where(enters, -vn, ahead)
-            for _ in range(2 if weighs else 1):
-                u = np.clip(delta / np.maximum(speed * dt, delta / 1.5), 1e-9, None)
-                spring = 0.5 * (0.5 + u) ** 2 / u if weighs else 1
-                rate = g * (0.5 + u)
-                edge = (spring * k * delta - rate * seen) / (1 + 0.5 * dt * rate)
-                if remembers:
-                    edge = np.where(counted, 0 if weighs else k * delta, edge)
-                speed = np.where(leaves, vn + dt * edge, speed)
+            u = np.clip(delta / np.maximum(speed * dt, delta / 1.5), 1e-9, None)
+            spring = 0.5 * (0.5 + u) ** 2 / u if weighs else 1
+            rate = g * (0.5 + u)
+            edge = (spring * k * delta - rate * seen) / (1 + 0.5 * dt * rate)
+            if remembers:
+                edge = np.where(counted, 0 if weighs else k * delta, edge)
             f = np.where(enters | leaves, edge, f)
             self.memory = np.where(leaves | ~touching, 0, vn + dt * f)
             return np.where(touching, f, 0)
