@@ -225,8 +225,8 @@ TEST_P(Lists, HoldImagesOfWallsThatMoveThroughTheSides) {
   options.audit = true;
   Simulation sim(s, options);
   std::int64_t contacts = 0;
-  for (int part = 0; part < 5; ++part) {
-    sim.run(100);
+  for (int part = 0; part < 10; ++part) {
+    sim.run(50);
     contacts += sim.counters().wall_contacts;
   }
   EXPECT_EQ(sim.counters().missed_contacts, 0);
