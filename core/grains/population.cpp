@@ -8,6 +8,7 @@
 
 #include "core/base/det_math.hpp"
 #include "core/grains/body.hpp"
+#include "core/grains/body_shape.hpp"
 #include "core/grains/insertion.hpp"
 #include "core/scene/duration.hpp"
 
@@ -121,6 +122,23 @@ Population population_of(const Scene& scene, double r_min, double r_max) {
   return p;
 }
 
+namespace {
+
+const BodyShape* body_of(const Scene& scene, const Source& s) {
+  return s.shape < 0 ? nullptr : scene.shapes[static_cast<std::size_t>(s.shape)].body.get();
+}
+
+/// Farthest point of a grain from the axis that it spins about, where spins move anything [m].
+double farthest(const Scene& scene, double largest) {
+  double reach = scene.contact.friction ? largest : 0;
+  for (const Source& s : scene.sources)
+    if (const BodyShape* b = body_of(scene, s))
+      reach = fmax2(reach, 0.5 * s.size.largest() * (b->bound / b->equal_radius));
+  return reach;
+}
+
+}  // namespace
+
 void add_stated_velocities(const Scene& scene, Population& p) {
   const double end = end_of(scene);
   for (const Source& s : scene.sources) {
@@ -130,17 +148,19 @@ void add_stated_velocities(const Scene& scene, Population& p) {
     p.add_velocity(s.velocity - jitter, s.velocity + jitter);
     // an initial state that relaxes starts at rest
     if (scene.relax.steps > 0 && s.kind != Source::Kind::stream && s.start <= 0) continue;
-    p.movers.push_back({fmt::format("source '{}'", s.name), "", fmax2(0, v - most), v + most, 0.5 * s.size.smallest(),
-                        0.5 * s.size.largest()});
+    const BodyShape* body = body_of(scene, s);
+    const double share = body != nullptr ? body->smallest / body->equal_radius : 1;  // what is thinnest is passed first
+    p.movers.push_back({fmt::format("source '{}'", s.name), "", fmax2(0, v - most), v + most,
+                        0.5 * s.size.smallest() * share, 0.5 * s.size.largest() * share});
   }
   for (const Event& e : scene.events) {
     const bool sets = e.action == Event::Action::set_velocity || e.action == Event::Action::drive;
     if (!sets || e.time >= end) continue;
     double smallest = k_never, largest = 0;
     for (const GrainKind& k : p.kinds)
-      smallest = fmin2(smallest, k.smallest[0]), largest = fmax2(largest, k.largest[0]);
+      smallest = fmin2(smallest, k.smallest[0] * k.thinnest), largest = fmax2(largest, k.largest[0]);
     const double v = norm(e.vector);
-    p.add_velocity(e.vector, e.vector, scene.contact.friction ? largest * norm(e.spin) : 0);
+    p.add_velocity(e.vector, e.vector, farthest(scene, largest) * norm(e.spin));
     p.movers.push_back({fmt::format("the event at {:g} s", e.time), "", v, v, smallest, largest});
   }
 }

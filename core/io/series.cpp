@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -109,7 +110,10 @@ SeriesLayout SeriesLayout::of(const Scene& scene, std::vector<std::string> walls
   SeriesLayout l;
   l.inserted = !scene.sources.empty();
   l.energies = scene.output.energies;
-  l.rotation = scene.contact.friction;
+  l.friction = scene.contact.friction;
+  // normal forces turn bodies that are no spheres
+  l.rotation = l.friction ||
+               std::any_of(scene.sources.begin(), scene.sources.end(), [](const Source& s) { return s.shape >= 0; });
   l.wall_contacts = !walls.empty();
   l.walls = std::move(walls);
   l.averages = averages_of(scene);

@@ -26,6 +26,7 @@ bool has_sources(const SeriesLayout& l) { return l.inserted; }
 bool has_walls(const SeriesLayout& l) { return l.wall_contacts; }
 bool has_energies(const SeriesLayout& l) { return l.energies; }
 bool has_rotation(const SeriesLayout& l) { return l.energies && l.rotation; }
+bool has_friction(const SeriesLayout& l) { return l.energies && l.friction; }
 
 // clang-format off
 constexpr SeriesQuantity<SeriesRow> k_run[] = {
@@ -54,7 +55,7 @@ constexpr SeriesQuantity<SeriesRow> k_run[] = {
     {"elastic", "J", k_moment, "in the springs of all contacts", energy<&Energies::elastic>, has_energies},
     {"dissipated_damping", "J", k_sum, "by the dashpots of contacts; positive is lost",
      energy<&Energies::dissipated_damping>, has_energies},
-    {"dissipated_friction", "J", k_sum, "by sliding; positive is lost", energy<&Energies::dissipated_friction>, has_rotation},
+    {"dissipated_friction", "J", k_sum, "by sliding; positive is lost", energy<&Energies::dissipated_friction>, has_friction},
     {"dissipated_background", "J", k_sum, "by [damping]; positive is lost",
      energy<&Energies::dissipated_background>, has_energies},
     {"wall_work", "J", k_sum, "done by moving walls, driven grains and gas on the others; positive is put in",

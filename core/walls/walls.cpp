@@ -242,6 +242,18 @@ std::vector<WallSurface> WallSet::surfaces() const {
   return all;
 }
 
+double WallSet::area(int wall) const {
+  const Wall& w = impl_->walls[wall];
+  const WallSurface s = w.shape->surface(w.pose, impl_->lower, impl_->upper);
+  double area = 0;
+  for (const auto& t : s.triangles) {
+    const Vec3 a = s.points[static_cast<std::size_t>(t[0])];
+    area +=
+        0.5 * norm(cross(s.points[static_cast<std::size_t>(t[1])] - a, s.points[static_cast<std::size_t>(t[2])] - a));
+  }
+  return area;
+}
+
 Scene in_stored_frame(const Scene& scene) {
   Scene local = scene;
   local.domain.lower = {};

@@ -148,6 +148,9 @@ class WallSet {
 
   /// Surfaces at the present pose, for output: of all images that reach into the domain.
   std::vector<WallSurface> surfaces() const;
+  /// Area of a wall at the present pose, whether it acts or not: of the wall itself, not of its images; of a plane what
+  /// lies in the domain [m2].
+  double area(int wall) const;
 
  private:
   struct Impl;

@@ -10,6 +10,7 @@
 #include "core/base/text.hpp"
 #include "core/grains/source_notes.hpp"
 #include "core/meshes/mesh_file.hpp"
+#include "scheduler/nodes/surface.hpp"
 #include "scheduler/state/step_failure.hpp"
 #include "scheduler/team/parallel.hpp"
 
@@ -119,6 +120,19 @@ void warn_of_meshes(const Rules& rules, const Clock& clock, const WallSet& walls
                                   clock.step, 1, 1, 0});
 }
 
+/// A superquadric is as easily passed as it is thin: its travel counts in radii of the sphere within it, that of its
+/// ends as it turns included, |r x n| <= sqrt(bound^2 - inner^2).
+void observe_thin(const Rules& rules, const Rows& rows, Row i, ChunkExtremes& x) {
+  const BodyShape* shape = superquadric_of(rules, rows, i);
+  if (shape == nullptr || !rows.is_alive(i)) return;
+  const double *v = rows.v2.data() + static_cast<long>(rules.stride) * i, bound = rows.p[4L * i + 3],
+               inner = bound * (shape->smallest / shape->bound);
+  const double speed = norm(Vec3{v[0], v[1], v[2]}), turning = norm(Vec3{v[4], v[5], v[6]}) / bound,
+               lever = __builtin_sqrt(fmax2(bound * bound - inner * inner, 0));
+  x.offer(Watch::travel, (speed + turning * lever) * rules.scene.dt / inner, rules.scene.monitor.warn_travel,
+          rows.id[i], -1);
+}
+
 void observe_stiffness(const Rules& rules, const Rows& rows, Chunk& c) {
   const double dt = rules.scene.dt;
   ChunkExtremes& x = c.result.extremes = {};
@@ -143,6 +157,7 @@ void observe_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Chu
     const double speed = __builtin_sqrt((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
     x.offer(Watch::travel, speed * dt / rows.p[4L * i + 3], m.warn_travel, rows.id[i], -1);
   }
+  for (Row i = c.lo; rules.has.superquadrics && i < c.hi; ++i) observe_thin(rules, rows, i, x);
   if (rows.bodies.in && c.result.body_row > 0)
     x.offer(Watch::stiffness, c.result.body_row * (dt * dt), rules.bounds.warn_row, c.result.body_row_of, -1);
   for (std::int64_t k = 0; k < c.contacts.end[2]; ++k) {

@@ -13,14 +13,8 @@ double area_of(const PartView& w, const std::string& name) {
   WallSet walls = w.walls;
   walls.set_step(0, w.rules.scene.dt);
   double area = 0;
-  for (const WallSurface& surface : walls.surfaces()) {
-    if (surface.name != name) continue;
-    for (const auto& t : surface.triangles) {
-      const Vec3 a = surface.points[static_cast<std::size_t>(t[0])];
-      area += 0.5 * norm(cross(surface.points[static_cast<std::size_t>(t[1])] - a,
-                               surface.points[static_cast<std::size_t>(t[2])] - a));
-    }
-  }
+  for (int k = 0; k < walls.size(); ++k)
+    if (walls.name(k) == name) area += walls.area(k);
   return area;
 }
 

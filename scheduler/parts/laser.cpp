@@ -1,8 +1,9 @@
 // Part "laser": beams from above that heat the grains they meet. At the end of each heat step, before heat's own:
 //   rays of a fixed square around the axis, each with its share of the power, run down to the first grain;
 //   that grain takes absorptivity times it, the rest is lost, and so is what passes all grains.
-// The axis stands where it is in the middle of the heat step. Invariants: what is emitted is absorbed, reflected or
-// passed; of two grains at equal height the one of the lower row takes the ray (I3).
+// The axis stands where it is in the middle of the heat step, or of the part of it in which the beam is on. Invariants:
+// what is emitted is absorbed, reflected or passed; of two grains at equal height the one of the lower row takes the
+// ray (I3).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +20,6 @@ constexpr double k_half_width = 2;  // of the square of rays / radius of the bea
 
 /// Where the axis is.
 struct Spot {
-  bool on = false;
   double x = 0, y = 0;
 };
 
@@ -28,19 +28,36 @@ double leg(const Laser& l, std::size_t k) {
   return __builtin_sqrt(dx * dx + dy * dy);
 }
 
+/// When it goes out.
+double end_of(const Laser& l) {
+  if (l.x.size() == 1) return l.stop;
+  double way = 0;
+  for (std::size_t k = 0; k + 1 < l.x.size(); ++k) way = way + leg(l, k);
+  return fmin2(l.stop, l.start + way / l.speed);
+}
+
+/// At a time at which it is on.
 Spot spot_at(const Laser& l, double t) {
-  if (t < l.start || t >= l.stop) return {};
-  if (l.x.size() == 1) return {true, l.x[0], l.y[0]};
   double way = l.speed * (t - l.start);
   for (std::size_t k = 0; k + 1 < l.x.size(); ++k) {
     const double length = leg(l, k);
     if (way < length) {
       const double s = way / length;
-      return {true, l.x[k] + s * (l.x[k + 1] - l.x[k]), l.y[k] + s * (l.y[k + 1] - l.y[k])};
+      return {l.x[k] + s * (l.x[k + 1] - l.x[k]), l.y[k] + s * (l.y[k + 1] - l.y[k])};
     }
     way = way - length;
   }
-  return {};
+  return {l.x.back(), l.y.back()};
+}
+
+/// All of its way lies beside the domain, where no grain can be.
+bool misses(const Laser& l, const Domain& d) {
+  for (int k = 0; k < 2; ++k) {
+    const auto [low, high] = std::minmax_element(k == 0 ? l.x.begin() : l.y.begin(), k == 0 ? l.x.end() : l.y.end());
+    const double reach = k_half_width * l.radius;
+    if (!d.periodic(k) && (*high + reach <= d.lower[k] || *low - reach >= d.upper[k])) return true;
+  }
+  return false;
 }
 
 /// The rays of a beam: where they are beside its axis, and their shares of the power.
@@ -110,6 +127,8 @@ class Lasers final : public Part, public LaserLight {
     for (const Laser& l : all_)
       if (l.start >= end)
         return fmt::format("has a beam that is switched on at {:.6g} s, and the run ends at {:.6g} s", l.start, end);
+      else if (misses(l, rules.scene.domain))
+        return fmt::format("has a beam at x = {:.6g} m, y = {:.6g} m, which lies beside the domain", l.x[0], l.y[0]);
     return {};
   }
 
@@ -119,7 +138,7 @@ class Lasers final : public Part, public LaserLight {
       const Laser& l = all_[k];
       double way = 0;
       for (std::size_t q = 0; q + 1 < l.x.size(); ++q) way += leg(l, q);
-      const double end = std::min(l.stop, l.speed > 0 ? l.start + way / l.speed : k_never);
+      const double end = end_of(l);
       lines.push_back(fmt::format("{}: on from {:.6g} s to {}, way {:.4g} m", k, l.start,
                                   end < k_never ? fmt::format("{:.6g} s", end) : "the end", way));
       if (w.rules.r_min < k_never && rays_[k].spacing > w.rules.r_min / 3)
@@ -155,9 +174,15 @@ class Lasers final : public Part, public LaserLight {
 
   void shine(const PartView& w, const Laser& l, const Rays& rays) {
     const auto every = static_cast<double>(w.rules.scene.heat.every);
-    const double t = (static_cast<double>(w.clock.step + 1) - 0.5 * every) * w.rules.scene.dt;
+    const auto time = [&](double steps) { return (static_cast<double>(w.clock.step + 1) - steps) * w.rules.scene.dt; };
+    const double begin = time(every), end = time(0), hair = 1e-9 * (end - begin), out = end_of(l);
+    const double from = l.start <= begin + hair ? begin : l.start, to = out >= end - hair ? end : out;
+    if (!(to - from > hair)) return;
+    // a heat step in which it goes on or out counts for the part that it is on
+    const bool whole = from == begin && to == end;
+    const double t = whole ? time(0.5 * every) : 0.5 * (from + to);
     const Spot spot = spot_at(l, t);
-    const double power = spot.on ? l.power(t) : 0;
+    const double power = whole ? l.power(t) : l.power(t) * ((to - from) / (end - begin));
     if (!(power > 0)) return;
     find_first(w, l, rays, spot);
     double absorbed = 0, reflected = 0, passed = 0;
@@ -186,7 +211,9 @@ class Lasers final : public Part, public LaserLight {
     first_.assign(rays.offset.size() * rays.offset.size(), -1);
     height_.assign(first_.size(), -k_never);
     const Domain& domain = w.rules.scene.domain;
-    const double axis_x = spot.x - domain.lower.x, axis_y = spot.y - domain.lower.y;
+    double axis_x = spot.x - domain.lower.x, axis_y = spot.y - domain.lower.y;
+    if (domain.periodic(0)) axis_x = axis_x - w.rules.size.x * __builtin_floor(axis_x / w.rules.size.x);
+    if (domain.periodic(1)) axis_y = axis_y - w.rules.size.y * __builtin_floor(axis_y / w.rules.size.y);
     const int images_x = domain.periodic(0) ? 1 : 0, images_y = domain.periodic(1) ? 1 : 0;
     for (Row i = 0; i < w.rows.n; ++i) {
       if (!w.rows.is_alive(i)) continue;

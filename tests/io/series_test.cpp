@@ -83,6 +83,12 @@ TEST(Series, ColumnsAreThoseTheSceneHas) {
   const auto has = [&](const char* name) { return std::count(some.begin(), some.end(), name) == 1; };
   EXPECT_TRUE(has("balance_residual") && has("wall.gate.force_x") && has("wall.gate.torque_z"));
   EXPECT_FALSE(has("kinetic_rotation") || has("dissipated_friction"));
+  scene.sources.emplace_back();
+  scene.sources.back().shape = 0;
+  some = SeriesLayout::of(scene, {}).columns();
+  EXPECT_TRUE(has("kinetic_rotation")) << "normal forces turn bodies";
+  EXPECT_FALSE(has("dissipated_friction"));
+  scene.sources.clear();
   scene.contact.friction = true;
   scene.output.flux_planes.push_back({"outlet", {}, {0, 0, -1}});
   scene.output.regions.push_back({"bed", {}});

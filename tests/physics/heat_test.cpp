@@ -290,6 +290,33 @@ TEST(Heat, WallsHoldTemperaturesAndGiveFluxes) {
   EXPECT_NEAR(temperatures(heated)[0], 300 + 250 * 0.04 * 20 / k_mc, 1e-8);
 }
 
+TEST(Heat, FluxIsThatOfTheWallOnceHoweverItMeetsPeriodicSidesAndWhenEverItAppears) {
+  const double area = 2 * (0.4 * 0.2 + 0.4 * 0.1 + 0.2 * 0.1), flux = 400, dt = 0.2, c = k_mc;
+  const auto warmed = [&](double low, double grain, double appear) {
+    Scene s = heat_scene({{{grain, 0.3, 0.2 + 0.99 * k_R}, {}, k_R, {}, 0, true}}, {300}, dt);
+    s.domain = Domain{{0, 0, 0}, {1, 1, 1}, {}};
+    for (int k = 0; k < 2; ++k)
+      s.domain.boundary[static_cast<std::size_t>(k)] = {Boundary::periodic, Boundary::periodic};
+    WallSpec w;
+    w.name = "w";
+    w.shape = WallShape::box;
+    w.lower = {low, 0.2, 0.1};
+    w.upper = {low + 0.4, 0.4, 0.2};
+    w.appear = appear;
+    s.walls = {w};
+    WallHeat h;
+    h.wall = "w";
+    h.flux = TimeTable::constant(flux);
+    s.heat.walls = {h};
+    Simulation sim(s, options());
+    sim.run(10);
+    return (temperatures(sim)[0] - 300) * c;
+  };
+  EXPECT_NEAR(warmed(0.2, 0.4, 0) / (flux * area * 10 * dt), 1, 1e-9);
+  EXPECT_NEAR(warmed(0.8, 0.95, 0) / (flux * area * 10 * dt), 1, 1e-9) << "it reaches across a side";
+  EXPECT_NEAR(warmed(0.2, 0.4, 4 * dt) / (flux * area * 6 * dt), 1, 1e-9) << "it appears after four steps";
+}
+
 TEST(Heat, GapConductsAsItsIntegral) {
   for (const double gap : {-2e-5, 0.0, 1e-6, 1e-4, 2e-3}) {
     const double R = k_R, layer = 0.4, least = 2.75e-8, k = 0.026, d = gap + 2 * R;

@@ -149,6 +149,47 @@ TEST(Laser, FollowsItsWayPointsAndIsOffBeforeAndBehind) {
   EXPECT_EQ(value_of(sim, "laser.power"), 0);
 }
 
+TEST(Laser, IsOnForItsTimeAndNotForWholeHeatSteps) {
+  const double dt = 1e-6;
+  Scene s = metal({{0, 0, 0}}, dt);
+  s.heat.every = 10;
+  Laser pulse = beam(2, k_R / 4, 1), late = pulse;
+  pulse.start = 3.2e-6;  // within one heat step
+  pulse.stop = 4.7e-6;
+  late.start = 18e-6;  // over three
+  late.stop = 44e-6;
+  s.heat.lasers = {pulse, late};
+  Simulation sim(s, options());
+  sim.run(20);
+  EXPECT_NEAR(value_of(sim, "laser.emitted"), 2 * (1.5e-6 + 2e-6), 1e-17);
+  EXPECT_NEAR(value_of(sim, "laser.power"), 2 * 0.2, 1e-12) << "mean over the heat step";
+  sim.run(80);
+  EXPECT_NEAR(value_of(sim, "laser.emitted"), 2 * (1.5e-6 + 26e-6), 1e-16);
+}
+
+TEST(Laser, BeamsMeetGrainsThroughAnyNumberOfPeriods) {
+  for (const double periods : {0.0, 1.0, -1.0, 3.0, -4.0}) {
+    Scene s = metal({{0, 0, 0}}, 1e-7);
+    s.domain.boundary[0] = {Boundary::periodic, Boundary::periodic};
+    s.heat.lasers = {beam(2, k_R / 4, 1)};
+    s.heat.lasers[0].x = {periods * (s.domain.upper.x - s.domain.lower.x)};
+    Simulation sim(s, options());
+    sim.run(1);
+    EXPECT_NEAR(value_of(sim, "laser.absorbed"), 2e-7, 1e-18) << periods;
+  }
+}
+
+TEST(Laser, ABeamBesideTheDomainIsSaid) {
+  Scene s = metal({{0, 0, 0}}, 1e-6);
+  s.steps = 100;
+  s.heat.lasers = {beam(1, k_R, 1)};
+  s.heat.lasers[0].x = {s.domain.upper.x + 3 * k_R};
+  const Simulation sim(s, options());
+  int said = 0;
+  for (const Warning& w : sim.warnings()) said += w.text.find("beside the domain") != std::string::npos;
+  EXPECT_EQ(said, 1);
+}
+
 TEST(Laser, ABeamThatIsNeverOnIsSaid) {
   for (const bool late : {false, true}) {
     Scene s = metal({{0, 0, 0}}, 1e-6);

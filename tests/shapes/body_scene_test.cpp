@@ -290,6 +290,33 @@ std::string refusal(const Words& w) {
   return "accepted";
 }
 
+TEST(Body, TravelOfAThinSuperquadricCountsItsThicknessAndItsTurning) {
+  // 0.2 mm thick, 6 mm wide
+  const auto said = [](const std::string& velocity, const std::string& spin, const std::string& size) {
+    Words w;
+    w.law = "friction = \"none\"";
+    w.shape = "[[shape]]\nname = \"rod\"\nkind = \"superquadric\"\nsemi_axes = " + size + "\n";
+    w.rest = "[[group]]\nname = \"g\"\n" +
+             source("plate", 1, "[0.02, 0.02, 0.02]", "[0.03, 0.03, 0.03]", "shape = \"rod\"\ngroup = \"g\"") +
+             "[[event]]\ntime = 0\naction = \"set_velocity\"\ngroup = \"g\"\nvelocity = " + velocity +
+             "\nspin = " + spin + "\n";
+    Simulation sim(scene_of(w), {});
+    try {
+      sim.run(5);
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return sim.warnings().empty() ? std::string("nothing") : sim.warnings().front().text;
+  };
+  const std::string plate = "[0.003, 0.003, 0.0001]", ball = "[0.003, 0.003, 0.003]";
+  EXPECT_EQ(said("[0, 0, 0.5]", "[0, 0, 0]", plate), "nothing") << "0.05 of its half thickness";
+  EXPECT_NE(said("[0, 0, 5]", "[0, 0, 0]", plate).find("moves 0.5 of its radius"), std::string::npos);
+  EXPECT_NE(said("[0, 0, 12]", "[0, 0, 0]", plate).find("could pass"), std::string::npos);
+  EXPECT_NE(said("[0, 0, 0]", "[0, 1000, 0]", plate).find("moves 0.3 of its radius"), std::string::npos) << "its rim";
+  EXPECT_NE(said("[0, 0, 0]", "[0, 5000, 0]", plate).find("could pass"), std::string::npos);
+  EXPECT_EQ(said("[0, 0, 0]", "[0, 5000, 0]", ball), "nothing") << "a ball that turns goes nowhere";
+}
+
 TEST(Shape, WhatCannotBeABodyIsRefused) {
   const std::string use = source("rods", 1, "[0.01, 0.01, 0.01]", "[0.04, 0.04, 0.04]", "shape = \"rod\"");
   const auto with = [&](const std::string& shape, const std::string& rest) {

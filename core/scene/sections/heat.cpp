@@ -114,8 +114,9 @@ const Keys<WallHeat> k_wall(
             .absent("(none)")
             .usual("", "flux"),
         key("flux", &WallHeat::flux, "W/m2", k_finite,
-            "heat per area of the wall, shared by the grains that touch it in proportion to their contact "
-            "conductances; where none does, nothing enters",
+            "heat per area of the wall (all of it, outside of the domain too; once, however many images it has), "
+            "shared "
+            "by the grains that touch it in proportion to their contact conductances; where none does, nothing enters",
             "2000")
             .absent("(none)"),
         key("layer", &WallHeat::layer, "m, W/m/K", k_positive,
