@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "core/base/error.hpp"
+#include "core/grains/body_shape.hpp"
 #include "core/io/atomic_file.hpp"
 #include "core/io/series_columns.hpp"
 
@@ -110,7 +111,9 @@ SeriesLayout SeriesLayout::of(const Scene& scene, std::vector<std::string> walls
   l.inserted = !scene.sources.empty();
   l.energies = scene.output.energies;
   l.rotation = scene.contact.friction;
+  for (const Source& s : scene.sources) l.rotation = l.rotation || s.shape >= 0;  // bodies turn without friction, too
   l.wall_contacts = !walls.empty();
+  l.superquadrics = makes_superquadrics(scene);
   l.walls = std::move(walls);
   l.averages = averages_of(scene);
   for (const auto& p : scene.output.flux_planes) l.planes.push_back(p.name);
