@@ -37,7 +37,7 @@ struct Counters {
   /// left to the safe method. Depend on the trajectory alone.
   std::int64_t solved_pairs = 0, safe_pairs = 0;
   std::int64_t step_solved_pairs = 0, step_safe_pairs = 0;  ///< the same of the last step alone
-  double border_contact_share = 0;           ///< contacts across chunk borders / contacts
+  double border_contact_share = 0;                          ///< contacts across chunk borders / contacts
   std::vector<std::int64_t> interval_steps;  ///< step of each of the last rebuilds (up to 4096), for the report
 };
 
