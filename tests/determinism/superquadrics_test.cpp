@@ -241,6 +241,57 @@ TEST_P(ShapedTrajectory, FramesChangeNothing) {
 INSTANTIATE_TEST_SUITE_P(All, ShapedTrajectory, testing::Bool(),
                          [](const auto& p) { return p.param ? "Mixed" : "Alone"; });
 
+/// Boxes with sharp edges in a heap: deeper than they are round, pairs are searched over all directions.
+Scene sharp() {
+  return parse_scene(R"(
+gravity = [0, 0, -9.81]
+seed = 5
+sort_every = 100
+[domain]
+lower = [0, 0, 0]
+upper = [0.016, 0.016, 0.012]
+boundary = ["periodic", "periodic", "wall"]
+[time]
+step = 4e-6
+duration = 1
+[[material]]
+name = "m"
+density = 2000
+[contact]
+normal_stiffness = 4000
+tangential_stiffness = 1200
+restitution = 0.3
+friction = 0.3
+[[shape]]
+name = "box"
+kind = "superquadric"
+semi_axes = [0.001, 0.001, 0.0006]
+exponents = [20, 20]
+[[source]]
+kind = "random"
+number = 60
+shape = "box"
+velocity_jitter = 3
+region = { lower = [0, 0, 0], upper = [0.016, 0.016, 0.012] }
+)",
+                     "sharp", "", {});
+}
+
+TEST(SafePairs, AreCountedOnceWhateverTheWayOfRunning) {
+  const Scene scene = sharp();
+  const Outcome first = outcome_after(scene, {ListPolicy::local, 200, 1, 0, Isa::automatic}, 300);
+  EXPECT_GT(first.safe, 10);
+  EXPECT_LT(first.safe, first.solved);
+  for (const Variant& v :
+       {Variant{ListPolicy::always, 0, 1, 64, Isa::automatic}, {ListPolicy::paper, 50, 2, 64, Isa::scalar}}) {
+    const Outcome other = outcome_after(scene, v, 300);
+    EXPECT_TRUE(other == first) << v.text() << ": " << other.safe << " of " << other.solved << ", not " << first.safe
+                                << " of " << first.solved;
+  }
+  std::printf("%lld pairs, %lld by the safe method\n", static_cast<long long>(first.solved),
+              static_cast<long long>(first.safe));
+}
+
 /// A random scene whose sources make superquadrics, clumps and spheres, dense enough to meet.
 Scene with_shapes(const Scene& from, int index) {
   Scene s = from;
