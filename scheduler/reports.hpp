@@ -30,10 +30,14 @@ struct Counters {
   std::int64_t contacts = 0;           ///< touching pairs at the last step (each once)
   std::int64_t wall_contacts = 0;
   std::int64_t sort_epochs = 0;
-  std::int64_t inserted = 0, removed = 0;    ///< cumulative over the trajectory
-  double removed_mass = 0;                   ///< [kg], cumulative over the trajectory
-  std::int64_t missed_contacts = 0;          ///< audit only
-  double border_contact_share = 0;           ///< contacts across chunk borders / contacts
+  std::int64_t inserted = 0, removed = 0;  ///< cumulative over the trajectory
+  double removed_mass = 0;                 ///< [kg], cumulative over the trajectory
+  std::int64_t missed_contacts = 0;        ///< audit only
+  /// Pairs of superquadrics whose bounding spheres meet, summed over the steps: all, and those that the batch solver
+  /// left to the safe method. Depend on the trajectory alone.
+  std::int64_t solved_pairs = 0, safe_pairs = 0;
+  std::int64_t step_solved_pairs = 0, step_safe_pairs = 0;  ///< the same of the last step alone
+  double border_contact_share = 0;                          ///< contacts across chunk borders / contacts
   std::vector<std::int64_t> interval_steps;  ///< step of each of the last rebuilds (up to 4096), for the report
 };
 

@@ -96,7 +96,11 @@ void load_superquadric(ShapeSpec& spec) {
   q.roundness = shapes::smallest_radius(s);
   q.flat = 2 * c.equal_radius;
   c.roundest = 5 * q.flat;
-  if (s.n1 == 2 && s.n2 == 2) {  // of an ellipsoid: where the shortest axis ends
+  q.ball = s.n1 == 2 && s.n2 == 2 && s.axes.x == s.axes.y && s.axes.y == s.axes.z;
+  if (q.ball) {
+    c.bound = c.largest = c.roundest = c.spheres[0].r = s.axes.x;
+    c.lightness = 1;
+  } else if (s.n1 == 2 && s.n2 == 2) {  // of an ellipsoid: where the shortest axis ends
     const double most = (c.volume / (4.0 / 3.0 * det::k_pi)) / (c.smallest * c.smallest);
     c.roundest = shapes::hertz_radius({most, most}, q.flat);
   }

@@ -23,6 +23,7 @@ struct QuadricShape {
   double size = 0;       ///< largest semi-axis [m]
   double roundness = 0;  ///< smallest radius of curvature [m]
   double flat = 0;       ///< see shapes::hertz_radius() [m]
+  bool ball = false;     ///< a sphere: its contacts are those of spheres, without a solver
 };
 
 struct BodyShape {

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/base/error.hpp"
+#include "core/grains/body_shape.hpp"
 #include "core/io/atomic_file.hpp"
 #include "core/io/series_columns.hpp"
 
@@ -115,6 +116,7 @@ SeriesLayout SeriesLayout::of(const Scene& scene, std::vector<std::string> walls
   l.rotation = l.friction ||
                std::any_of(scene.sources.begin(), scene.sources.end(), [](const Source& s) { return s.shape >= 0; });
   l.wall_contacts = !walls.empty();
+  l.superquadrics = makes_superquadrics(scene);
   l.walls = std::move(walls);
   l.averages = averages_of(scene);
   for (const auto& p : scene.output.flux_planes) l.planes.push_back(p.name);

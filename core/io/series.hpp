@@ -19,7 +19,8 @@ namespace talus {
 
 /// Which columns exist besides those that always do.
 struct SeriesLayout {
-  bool inserted = false, wall_contacts = false, energies = false, rotation = false, friction = false;
+  bool inserted = false, wall_contacts = false, energies = false, rotation = false, friction = false,
+       superquadrics = false;
   std::vector<const AverageQuantity*> averages = averages_of(Scene{});  ///< of each region
   std::vector<std::string> walls, planes, regions;                      ///< names
   std::vector<std::string> parts;                                       ///< columns of optional parts
@@ -32,7 +33,7 @@ struct SeriesLayout {
 struct SeriesRow {
   std::int64_t step = 0;
   double time = 0;  ///< [s]
-  std::int64_t particles = 0, contacts = 0, wall_contacts = 0, inserted = 0, removed = 0;
+  std::int64_t particles = 0, contacts = 0, wall_contacts = 0, safe_pairs = 0, inserted = 0, removed = 0;
   double kinetic_energy = 0;  ///< translation [J]
   double removed_mass = 0;    ///< cumulative [kg]
   Energies energies;

@@ -24,6 +24,7 @@ SeriesValue load(const Wall& at) {
 
 bool has_sources(const SeriesLayout& l) { return l.inserted; }
 bool has_walls(const SeriesLayout& l) { return l.wall_contacts; }
+bool has_superquadrics(const SeriesLayout& l) { return l.superquadrics; }
 bool has_energies(const SeriesLayout& l) { return l.energies; }
 bool has_rotation(const SeriesLayout& l) { return l.energies && l.rotation; }
 bool has_friction(const SeriesLayout& l) { return l.energies && l.friction; }
@@ -37,6 +38,9 @@ constexpr SeriesQuantity<SeriesRow> k_run[] = {
     {"contacts", "-", k_moment, "touching pairs of grains in the last executed step", of<&SeriesRow::contacts>},
     {"wall_contacts", "-", k_moment, "contacts of grains with walls in the last executed step",
      of<&SeriesRow::wall_contacts>, has_walls},
+    {"safe_pairs", "-", k_moment,
+     "pairs of superquadrics in the last executed step that the fast solver left to the safe method",
+     of<&SeriesRow::safe_pairs>, has_superquadrics},
     {"coordination_number", "-", k_moment, "2 contacts / particles; walls do not count",
      [](const Row& at) -> SeriesValue {
        const auto grains = static_cast<double>(at.now.particles);

@@ -114,6 +114,8 @@ std::string summary_json(const Summary& s) {
   o.add("candidate_pairs", s.candidate_pairs);
   o.add("contacts", s.contacts);
   o.add("wall_contacts", s.wall_contacts);
+  if (s.solved_pairs) o.add("solved_pairs", *s.solved_pairs);
+  if (s.safe_pairs) o.add("safe_pairs", *s.safe_pairs);
   o.add("inserted", s.inserted);
   o.add("removed", s.removed);
   o.add("removed_mass", s.removed_mass);

@@ -37,6 +37,8 @@ struct Summary {
   std::vector<std::int64_t> rebuild_steps;  ///< steps of the last rebuilds
   std::int64_t sort_epochs = 0;
   std::int64_t candidate_pairs = 0, contacts = 0, wall_contacts = 0;
+  /// With superquadrics: pairs solved over the steps of this call, and those of them that took the safe method.
+  std::optional<std::int64_t> solved_pairs, safe_pairs;
   std::int64_t inserted = 0, removed = 0;
   double removed_mass = 0;  ///< [kg]
   /// Passages through a flux plane since the start of the trajectory.

@@ -82,6 +82,8 @@ def cards(s):
     card("threads", "threads")
     card("instruction set", "isa")
     card("contact law", "law", small=True)
+    card("pairs of superquadrics solved", "solved_pairs", grouped)
+    card("of them by the safe method", "safe_pairs", grouped)
     card("left the domain", "removed", grouped)
     card("mass that left", "removed_mass", lambda v: f"{v:.4g} kg")
     card("bytes per particle", "bytes_per_particle", lambda v: f"{v:.0f}")

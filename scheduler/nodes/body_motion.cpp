@@ -182,7 +182,7 @@ void move_body(const Motion& m, std::int32_t b, Row i) {
   Vec3 spin = s.spin;
   if (inverse_mass > 0) {
     // the stiffness of superquadrics counts what turns, too: six motions share it instead of three
-    const double bound = shape.quadric ? 2 * m.rules.bounds.unstable : m.rules.bounds.unstable;
+    const double bound = shape.quadric && !shape.quadric->ball ? 2 * m.rules.bounds.unstable : m.rules.bounds.unstable;
     if (!m.relaxing && load.stiffness * inverse_mass > bound) m.c.result.unstable_row = i;
     if (load.levered * inverse_mass > m.c.result.body_row) {
       m.c.result.body_row = load.levered * inverse_mass;

@@ -73,6 +73,7 @@ ShapedContacts::ShapedContacts(const Rules& rules, const Clock& clock, const Row
   grow(s.depth, static_cast<std::size_t>(c.contacts.end[2]));
   if (s.lanes == nullptr) s.lanes = std::make_shared<ShapedLanes>();
   for (std::int64_t& n : c.contacts.apart) n = 0;
+  for (std::int64_t& n : c.contacts.solved) n = 0;
 }
 
 void ShapedContacts::judge_depth(std::int64_t slot, Row i, Row j, double overlap, double inner) {
@@ -97,7 +98,7 @@ void ShapedContacts::queue(int k, std::int64_t at, Row i, Row j, const Block& b,
   fill_lane(lanes, lanes.n++);
 }
 
-ShapedContacts::Answer ShapedContacts::answer(int lane, const ShapedLanes& lanes) const {
+ShapedContacts::Answer ShapedContacts::answer(int lane, std::int64_t at, const ShapedLanes& lanes) {
   const ShapedLane& q = lanes.lane[lane];
   const auto out = [&](int column) { return lanes.out[column][lane]; };
   Answer r;
@@ -105,11 +106,13 @@ ShapedContacts::Answer ShapedContacts::answer(int lane, const ShapedLanes& lanes
   // the point parts the overlap as the sizes are to each other, which is where two spheres have theirs
   const double share = q.a.middle / (q.a.middle + q.o.middle);
   const bool done = out(10) > 0.5, deep = r.overlap > q.a.roundness + q.o.roundness;
+  c_.contacts.solved[0] += interior(at) ? 2 : 1;
   if (done && !deep) {
     r.normal = shapes::to_space(q.a.turn, {out(0), out(1), out(2)});
     r.arm = shapes::to_space(q.a.turn, {out(4), out(5), out(6)}) - (share * r.overlap) * r.normal;
     return r;
   }
+  c_.contacts.solved[1] += interior(at) ? 2 : 1;
   shapes::PairMemory memory;
   memory.known = norm2(q.before) > 0;
   memory.normal = shapes::to_body(q.a.turn, q.before);
@@ -130,7 +133,7 @@ void ShapedContacts::give_apart(int k, BlockBuffers& buffers) const {  // nothin
 void ShapedContacts::give(int lane, std::int64_t at, const ShapedLanes& lanes, BlockBuffers& buffers) {
   const ShapedLane& q = lanes.lane[lane];
   const int k = q.k;
-  const Answer r = answer(lane, lanes);
+  const Answer r = answer(lane, at, lanes);
   const double sign = q.swapped ? -1 : 1, dt = rules_.scene.dt;
   const bool touch = r.overlap > 0;
   kind_[k] = touch ? Kind::touch : Kind::apart;
@@ -143,7 +146,7 @@ void ShapedContacts::give(int lane, std::int64_t at, const ShapedLanes& lanes, B
   }
   c_.scratch->depth[slot] = touch ? r.overlap / fmin2(q.a.inner, q.o.inner) : 0;
   if (!touch) {
-    ++c_.contacts.apart[at >= c_.contacts.end[0] && at < c_.contacts.end[1] ? 0 : 1];
+    ++c_.contacts.apart[interior(at) ? 0 : 1];
     return give_apart(k, buffers);
   }
   const Row i = c_.scratch->ci[slot], j = c_.scratch->cj[slot];

@@ -41,8 +41,10 @@ class ShapedContacts {
   enum class Kind : std::uint8_t { spheres, apart, touch };
   struct Answer;
 
+  /// Solved here alone, not by the owner of another chunk, too.
+  bool interior(std::int64_t at) const noexcept { return at >= c_.contacts.end[0] && at < c_.contacts.end[1]; }
   void queue(int k, std::int64_t at, Row i, Row j, const Block& b, ShapedLanes& lanes) const;
-  Answer answer(int lane, const ShapedLanes& lanes) const;
+  Answer answer(int lane, std::int64_t at, const ShapedLanes& lanes);
   void give(int lane, std::int64_t at, const ShapedLanes& lanes, BlockBuffers& buffers);
   void give_apart(int k, BlockBuffers& buffers) const;
   void judge_depth(std::int64_t slot, Row i, Row j, double overlap, double inner);

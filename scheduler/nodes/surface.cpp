@@ -7,7 +7,7 @@ const BodyShape* superquadric_of(const Rules& rules, const Rows& rows, Row i) {
   const std::int32_t b = rows.body_of(i);
   if (b < 0) return nullptr;
   const BodyShape& shape = shape_of(rules, rows.bodies, b);
-  return shape.quadric ? &shape : nullptr;
+  return shape.quadric && !shape.quadric->ball ? &shape : nullptr;
 }
 
 Surface surface_of(const Rules& rules, const Rows& rows, Row i) {

@@ -22,7 +22,7 @@ struct Surface {
   shapes::Body body(Vec3 centre) const { return {form, size, roundness, centre, turn}; }
 };
 
-/// The shape of the row's body where that is a superquadric, else null.
+/// The shape of the row's body where that is a superquadric and no ball, else null.
 const BodyShape* superquadric_of(const Rules& rules, const Rows& rows, Row i);
 Surface surface_of(const Rules& rules, const Rows& rows, Row i);
 

@@ -174,6 +174,7 @@ struct RunOutputs::Impl {
     row.particles = simulation.particles();
     row.contacts = c.contacts;
     row.wall_contacts = c.wall_contacts;
+    row.safe_pairs = c.step_safe_pairs;
     row.inserted = c.inserted;
     row.removed = c.removed;
     row.removed_mass = c.removed_mass;

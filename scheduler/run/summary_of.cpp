@@ -1,6 +1,7 @@
 // Summary of a run; see summary_of.hpp.
 #include "scheduler/run/summary_of.hpp"
 
+#include "core/grains/body_shape.hpp"
 #include "scheduler/lists/policies/policy.hpp"
 
 namespace talus {
@@ -35,6 +36,7 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   s.candidate_pairs = c.pairs;
   s.contacts = c.contacts;
   s.wall_contacts = c.wall_contacts;
+  if (makes_superquadrics(scene)) s.solved_pairs = c.solved_pairs, s.safe_pairs = c.safe_pairs;
   if (facts.audited) s.missed_contacts = c.missed_contacts;
   s.inserted = c.inserted;
   s.removed = c.removed;

@@ -72,7 +72,10 @@ struct PairContacts {
   Column<double> h[k_max_columns];
   std::int64_t end[3] = {0, 0, 0};
   std::int64_t apart[2] = {0, 0};  ///< of them, interior and others: their spheres meet, their surfaces do not
-  std::int32_t run_count = 0;      ///< between narrow phase and contact force: runs in scratch, 0 where none has moved
+  /// Pairs of superquadrics in the last step: all, and those left to the safe method. Times two: both owners of a pair
+  /// across chunks solve it.
+  std::int64_t solved[2] = {0, 0};
+  std::int32_t run_count = 0;  ///< between narrow phase and contact force: runs in scratch, 0 where none has moved
   /// Keys of the contacts that a sort epoch or a checkpoint has handed to this chunk, each section closed by a last
   /// key; empty where the present list holds them.
   Column<std::uint64_t> distributed;

@@ -36,6 +36,18 @@ void check_results(World& w) {
   w.contacts.news.store(false, std::memory_order_relaxed);
 }
 
+/// Adds what the chunks have solved in the step; both owners of a pair across chunks have.
+void count_solved(World& w) {
+  std::int64_t twice[2] = {0, 0};
+  for (const auto& c : w.contacts.chunks)
+    for (int k = 0; k < 2; ++k) twice[k] += c->contacts.solved[k];
+  Counters& n = w.counters;
+  n.step_solved_pairs = twice[0] / 2;
+  n.step_safe_pairs = twice[1] / 2;
+  n.solved_pairs += n.step_solved_pairs;
+  n.safe_pairs += n.step_safe_pairs;
+}
+
 }  // namespace
 
 void run_node(World& w, const NodeSpec& node, Chunk& c) {
@@ -73,6 +85,7 @@ void finish_step(World& w, const std::vector<NodeSpec>& table) {
   for (const NodeSpec& node : table)
     if (node.in && node.phase == Phase::finish) run_node(w, node, *w.contacts.chunks.front());
   if (w.rules.has.planes) add_crossings(w.rules, w.rows, w.contacts, w.planes);
+  if (w.rules.has.superquadrics) count_solved(w);
   const std::chrono::duration<double> now = std::chrono::steady_clock::now().time_since_epoch();
   w.team.lane_choice.step_done(now.count(), w.lists.last_rebuild_step != w.clock.step && !w.clock.structure);
   w.team.times.step = ++w.clock.step;
@@ -99,6 +112,9 @@ void take_back(World& w, const StepFailure& failure) {
       for (const auto& p : w.parts.all) p->take_back();
       w.team.times.step = --w.clock.step;
       --w.counters.steps;
+      w.counters.solved_pairs -= w.counters.step_solved_pairs;
+      w.counters.safe_pairs -= w.counters.step_safe_pairs;
+      w.counters.step_solved_pairs = w.counters.step_safe_pairs = 0;
       if (w.rules.has.walls) w.walls.set_step(w.clock.step, w.rules.scene.dt);
     }
     forget_results(w.contacts);

@@ -78,6 +78,15 @@ TEST(Series, ColumnsAreThoseTheSceneHas) {
   const auto least = SeriesLayout::of(scene, {}).columns();
   EXPECT_EQ(least, (std::vector<std::string>{"step", "time", "particles", "kinetic_energy", "contacts",
                                              "coordination_number", "removed", "removed_mass", "mass_flow"}));
+  Scene shaped = scene;
+  shaped.shapes.resize(1);
+  shaped.shapes[0].kind = ShapeSpec::Kind::superquadric;
+  shaped.sources.resize(1);
+  shaped.sources[0].shape = 0;
+  shaped.output.energies = true;
+  const auto solved = SeriesLayout::of(shaped, {}).columns();
+  EXPECT_EQ(std::count(solved.begin(), solved.end(), "safe_pairs"), 1);
+  EXPECT_EQ(std::count(solved.begin(), solved.end(), "kinetic_rotation"), 1);  // without friction, too
   scene.output.energies = true;
   auto some = SeriesLayout::of(scene, {"gate"}).columns();
   const auto has = [&](const char* name) { return std::count(some.begin(), some.end(), name) == 1; };

@@ -91,6 +91,15 @@ TEST(Summary, HasTheDocumentedFields) {
     EXPECT_NE(test::slurp(folder / "s").find(std::string("\"") + key + "\": "), std::string::npos) << key;
 }
 
+TEST(Summary, CountsSolvedPairsOfSuperquadricsAlone) {
+  Summary s;
+  EXPECT_EQ(summary_json(s).find("safe_pairs"), std::string::npos);
+  s.solved_pairs = 7;
+  s.safe_pairs = 0;
+  EXPECT_NE(summary_json(s).find("\"solved_pairs\": 7"), std::string::npos);
+  EXPECT_NE(summary_json(s).find("\"safe_pairs\": 0"), std::string::npos);
+}
+
 TEST(Summary, InvalidUtf8IsReplacedNotCopied) {
   EXPECT_EQ(json_string("\xed\xa0\x80"), "\"\\ufffd\\ufffd\\ufffd\"");                         // surrogate
   EXPECT_EQ(json_string("\xc0\xaf"), "\"\\ufffd\\ufffd\"");                                    // overlong

@@ -3,11 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <string_view>
 
 #include "core/base/rng.hpp"
 #include "core/shapes/pair_contact.hpp"
 
 namespace talus::shapes::testing {
+
+/// TALUS_FULL=1: the long variants.
+inline bool full_requested() {
+  const char* word = std::getenv("TALUS_FULL");
+  return word != nullptr && std::string_view(word) == "1";
+}
 
 struct Draw {
   CounterRng rng;
