@@ -110,6 +110,7 @@ SeriesLayout SeriesLayout::of(const Scene& scene, std::vector<std::string> walls
   l.inserted = !scene.sources.empty();
   l.energies = scene.output.energies;
   l.rotation = scene.contact.friction;
+  l.sizes = changes_sizes(scene);
   l.wall_contacts = !walls.empty();
   l.walls = std::move(walls);
   l.averages = averages_of(scene);
