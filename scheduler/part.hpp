@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/columns.hpp"
@@ -90,6 +91,10 @@ class Part {
   virtual void sizes(const PartView&, const Chunk&, const RowSizes&) const {}
   /// Its columns of the time series, of the present step. Their number and names never change in a run.
   virtual std::vector<PartValue> values(const PartView&) const { return {}; }
+  /// Name and unit of what it knows of contacts, a column of contact files; empty: nothing.
+  virtual std::pair<std::string, std::string> contact_column() const { return {}; }
+  /// That of row i with row j, or where j < 0 with this wall, at the present positions; `overlap` [m].
+  virtual double of_contact(const PartView&, Row /*i*/, Row /*j*/, int /*wall*/, double /*overlap*/) const { return 0; }
   /// Why it, or something of it, never acts in the run; empty where it does. Said as a warning.
   virtual std::string idle(const Rules&) const { return {}; }
   /// Lines of `talus check`.

@@ -112,7 +112,7 @@ void Simulation::run(std::int64_t steps) {
     run_graph(w, first + 1);
     const Energies e = energies_of(w);
     w.ledger.start = e.kinetic_translation + e.kinetic_rotation + e.potential + e.elastic + e.dissipated_damping +
-                     e.dissipated_friction + e.dissipated_background - e.wall_work - e.inserted;
+                     e.dissipated_friction + e.dissipated_background - e.wall_work - e.inserted - e.sizes;
     w.ledger.start_known = true;
   }
   if (w.clock.step < target) run_graph(w, target);

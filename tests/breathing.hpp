@@ -2,6 +2,7 @@
 // tests/determinism, tests/stability.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -37,6 +38,10 @@ inline void breathe(Simulation& sim, double growth, std::int64_t steps, Particle
   World& w = EngineAccess::world(sim);
   w.parts.all.push_back(std::make_unique<Breathing>(growth, steps, leaves));
   w.rows.resized = true;
+  if (!w.rules.has.energies) return;
+  w.ledger.count_sizes(w.rows.columns);
+  set_particle_capacity(w.rows, w.rows.n);
+  for (Column<double>* c : {&w.ledger.push, &w.ledger.grown, &w.ledger.spare}) std::fill(c->begin(), c->end(), 0.0);
 }
 
 }  // namespace talus

@@ -54,6 +54,7 @@ void Step<S>::burn(int c, int s, const double* gone, const double* per) {
     const B x = ld(gone, i) * ld(per, i) * ld(part(w_.burning, c), i);
     if (!S::any(S::gt(x, S::set(0)))) continue;
     const CharGas<S> y = yield_of<S>(r, ld(T_, i));
+    add(k_out_standard, x * (y.heat + S::set(r.to_cells)));
     st(done, i, ld(done, i) + x);
     add(k_out_oxygen + r.oxidant, x * y.oxidant);
     if (m.carbon_monoxide >= 0) add(k_out_released + m.carbon_monoxide, x * y.carbon_monoxide);
@@ -136,11 +137,13 @@ void Step<S>::release() {
   for (int r = 0; r < m.secondary; ++r) {
     const BedReaction& a = m.reaction[r];
     const B x = S::load(w_.total + S::W * r);
+    add(k_out_standard, S::set(a.standard) * x);
     for (int y = 0; y < a.gases; ++y) add(k_out_released + a.gas[y].species, S::set(a.gas[y].mass) * x);
     for (int e = 0; e < k_bed_elements; ++e)
       if (a.leaving[e] != 0) add(k_out_gone + e, S::set(a.leaving[e]) * x);
   }
   if (m.vapour < 0) return;
+  add(k_out_standard, S::set(m.vapour_to_cells - m.evaporation) * evaporated_);
   add(k_out_gone + 4, evaporated_);
   add(k_out_released + m.vapour, evaporated_);
 }

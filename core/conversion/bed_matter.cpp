@@ -75,6 +75,7 @@ struct BedBuilder {
     out.n = r.n;
     out.E = r.E / k_gas_constant;
     out.heat = -r.heat;
+    out.standard = r.to_cells - r.heat;
     out.solids = static_cast<int>(r.solids.size());
     out.gases = static_cast<int>(r.gases.size());
     out.solid = a.yields_of(r.solids);
@@ -148,8 +149,8 @@ struct BedBuilder {
       if (r.of_gas) a.reactions.push_back(reaction(m, r, a));
     a.m.reactions = static_cast<int>(a.reactions.size());
     for (const CharReaction& r : m.char_reactions)
-      a.chars.push_back(
-          {static_cast<int>(r.oxidant), r.A, r.n, r.E / k_gas_constant, r.ratio_A, r.ratio_E / k_gas_constant});
+      a.chars.push_back({static_cast<int>(r.oxidant), r.A, r.n, r.E / k_gas_constant, r.ratio_A,
+                         r.ratio_E / k_gas_constant, r.to_cells});
     a.m.chars = static_cast<int>(a.chars.size());
   }
 
@@ -176,6 +177,7 @@ struct BedBuilder {
     b.dries = b.moisture >= 0 && equilibrium ? 1 : 0;
     b.boiling = m.drying.temperature;
     b.evaporation = m.drying.heat;
+    b.vapour_to_cells = m.drying.to_cells;
     b.shrink[0] = m.shrinkage.drying;
     b.shrink[1] = m.shrinkage.devolatilisation;
     b.shrink[2] = m.shrinkage.burn_off;

@@ -35,8 +35,9 @@ struct BedYield {
 
 struct BedReaction {
   int reactant;
-  double A, n, E;  ///< [1/s/K^n], [-], E over the gas constant [K]
-  double heat;     ///< released per kg of the reactant [J/kg], where it holds
+  double A, n, E;   ///< [1/s/K^n], [-], E over the gas constant [K]
+  double heat;      ///< released per kg of the reactant [J/kg], where it holds
+  double standard;  ///< that and what goes to gas cells beyond it [J/kg]
   int solids, gases;
   const BedYield *solid, *gas;
   double leaving[k_bed_elements];  ///< elements that leave the solid per kg
@@ -51,6 +52,7 @@ struct BedChar {
   int oxidant;  ///< 0 oxygen, 1 carbon dioxide, 2 steam
   double A, n, E;
   double ratio_A, ratio_E;  ///< CO/CO2; E over the gas constant [K]
+  double to_cells;          ///< [J/kg]
 };
 
 struct BedMatter {
@@ -69,6 +71,7 @@ struct BedMatter {
   int moisture;                 ///< the solid, or -1
   int boils, dries;             ///< at boiling temperature; by vapour pressure too
   double boiling, evaporation;  ///< [K], [J/kg]
+  double vapour_to_cells;       ///< [J/kg]
   double shrink[3];             ///< by drying, devolatilisation, burn-off
   BedProperty capacity[k_bed_kinds], conductivity[k_bed_kinds], gas_capacity;  ///< conductivity[0]: of moist matter
   int present[k_bed_kinds];                                                    ///< some solid is of this kind
@@ -148,6 +151,7 @@ enum BedOut : int {
   k_out_contact,   ///< of that, from neighbours and with k_in_flow [J]
   k_out_reaction,  ///< released by reactions and evaporation [J]
   k_out_with_gas,  ///< sensible heat of solids that became gas [J]
+  k_out_standard,  ///< constants of what reacted, by extents alone: cell_gases.hpp [J]
   k_out_oxygen,
   k_out_carbon_dioxide,
   k_out_steam,  ///< taken from outside [kg]

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
 #include "core/gas/species.hpp"
 
@@ -122,7 +123,65 @@ GasFractions gases_of(const Matter& m, const Reaction& r) {
   return y;
 }
 
+constexpr double k_standard = 298.15;  // of the enthalpies of formation [K]
+constexpr double k_slow = 0.01;        // rate at the temperature of reaction [1/s]
+
+double above_standard(const GasFractions& y, double T) { return gas::enthalpy(y, T) - gas::enthalpy(y, k_standard); }
+
+/// Sensible heat of a solid, as the solver counts it [J/kg].
+double sensible(const Matter& m, Kind kind, double T) {
+  const Property& c = m.heat_capacity[static_cast<std::size_t>(kind)];
+  return c.integral(T) - (m.reference_temperature ? c.integral(*m.reference_temperature) : 0);
+}
+
+/// Where its rate constant is k_slow [K].
+double temperature_of(const Reaction& r) {
+  double T = 600;
+  for (int k = 0; k < 60; ++k) {
+    const double scale = r.A * det::pow(T, r.n) / k_slow;
+    if (!(scale > 1) || !(r.E > 0)) return 600;
+    T = std::clamp(r.E / (k_gas_constant * det::log(scale)), k_standard, 2000.0);
+  }
+  return T;
+}
+
+/// Heat capacity of a mixture: the polynomial of fourth degree through five temperatures.
+Property capacity_of(const GasFractions& y) {
+  constexpr int n = 5;
+  constexpr double low = 300, high = 1700;
+  double c[n];
+  for (int k = 0; k < n; ++k) c[k] = gas::heat_capacity(y, low + (high - low) * k / (n - 1));
+  for (int j = 1; j < n; ++j)  // Newton's divided differences, then their polynomial about `low`
+    for (int k = n - 1; k >= j; --k) c[k] = (c[k] - c[k - 1]) / ((high - low) * j / (n - 1));
+  std::vector<double> a{c[n - 1]};
+  for (int k = n - 2; k >= 0; --k) {
+    const double at = (high - low) * k / (n - 1);
+    a.push_back(0);
+    for (std::size_t q = a.size() - 1; q > 0; --q) a[q] = a[q - 1] - at * a[q];
+    a[0] = c[k] - at * a[0];
+  }
+  return Property::polynomial(a, low, low, high);
+}
+
+/// See cell_gases.hpp.
+void set_heats(Matter& m, Reaction& r, const GasFractions& y) {
+  r.gas_capacity = capacity_of(y);
+  if (m.reference_temperature && !r.at_reaction) {
+    r.to_cells = above_standard(y, *m.reference_temperature);
+    return;
+  }
+  const double T = temperature_of(r);
+  r.to_cells = above_standard(y, T) - sensible(m, m.solids[r.reactant].kind, T);
+  for (const Yield& s : r.solids) r.to_cells += s.mass * sensible(m, m.solids[s.species].kind, T);
+}
+
 }  // namespace
+
+double formation_enthalpy(int species) { return gas::enthalpy(species, k_standard); }
+double formation_of(const std::string& species) {
+  const int k = species_of(species);
+  return k < 0 ? 0 : formation_enthalpy(k);
+}
 
 Matter with_cell_gases(const Matter& matter) {
   Matter m = matter;
@@ -146,7 +205,12 @@ Matter with_cell_gases(const Matter& matter) {
     m.reactions[r].gases.clear();
     for (std::size_t k = 0; k < y.size(); ++k)
       if (y[k] > 0) m.reactions[r].gases.push_back({k, y[k]});
+    set_heats(m, m.reactions[r], y);
   }
+  for (CharReaction& r : m.char_reactions) r.to_cells = -sensible(m, Kind::char_, k_standard);
+  GasFractions steam{};
+  steam[H2O] = 1;
+  m.drying.to_cells = above_standard(steam, m.drying.temperature) - sensible(m, Kind::moisture, m.drying.temperature);
   if (m.vapour) m.vapour = H2O;
   if (m.carbon_monoxide) m.carbon_monoxide = CO;
   if (m.carbon_dioxide) m.carbon_dioxide = CO2;

@@ -12,6 +12,18 @@ namespace talus::conversion {
 /// mixtures of these with their elements: tar, CO and H2O of what is called tar, else CO, CO2 and CH4, or what else
 /// there is with no negative share. Error{scene}: a reaction of gas within the grain; one that would have to make a
 /// negative mass of every mixture; ash that leaves; char that burns and is not carbon.
+///
+/// Energy: what leaves a grain as gas carries what the grain has lost with it. A reaction of extent x [kg] then frees
+/// x times a constant of its own, of grain and gas together, whatever the temperatures: their sum less those constants
+/// is conserved. The constants (`to_cells`) are such that the gas comes at the temperature of the grain: heats of
+/// reaction hold at matter.reference_temperature; without one at that at which the rate constant is 0.01 1/s; heat of
+/// evaporation at boiling, char as graphite at 298.15 K. Capacities of released gases are those of the species.
 Matter with_cell_gases(const Matter& matter);
+
+/// Enthalpy of formation of a species of the gas part, 0 to 7 or by name [J/kg].
+double formation_enthalpy(int species);
+double formation_of(const std::string& species);
+/// The species of CharReaction::Oxidant.
+inline constexpr int k_oxidants[3] = {0, 1, 3};
 
 }  // namespace talus::conversion

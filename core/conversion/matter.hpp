@@ -62,6 +62,7 @@ struct Reaction {
   std::optional<Property> gas_capacity =
       {};                    ///< of its gases, per kg of the reactant [J/K/kg]; none: gas_heat_capacity
   bool at_reaction = false;  ///< the heat holds at the temperature of reaction, whatever the others refer to
+  double to_cells = 0;       ///< beside gas cells: cell_gases.hpp [J/kg]
 };
 
 /// Char with a gas from outside, at the char's front: rate of the surface A T^n exp(-E/RT) [m/s].
@@ -70,6 +71,7 @@ struct CharReaction {
   Oxidant oxidant = Oxidant::oxygen;
   double A = 0, n = 0, E = 0;               ///< [m/s/K^n], [-], [J/mol]
   double ratio_A = 4.3, ratio_E = 28186.0;  ///< CO/CO2 = A exp(-E/RT) of the products with oxygen
+  double to_cells = 0;                      ///< beside gas cells: cell_gases.hpp [J/kg]
 };
 
 enum class Drying { none, arrhenius, boiling, equilibrium };
@@ -80,6 +82,7 @@ struct DryingLaw {
   double A = 5.13e10, E = 88000;  ///< [1/s], [J/mol]
   double temperature = 373.15;    ///< of boiling [K]
   double heat = 2.26e6;           ///< of evaporation [J/kg]
+  double to_cells = 0;            ///< beside gas cells: cell_gases.hpp [J/kg]
 };
 
 /// Volume = initial volume (1 - drying X)(1 - devolatilisation Y)(1 - burn_off Z), X, Y, Z: moisture, fuel and char

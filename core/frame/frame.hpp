@@ -27,8 +27,8 @@ struct WallLoad {
   Vec3 torque;  ///< on the wall where the scene has it, about the coordinate origin [N m]
 };
 
-/// Energies at step n [J]; the balance residual is (kinetic + potential + elastic + dissipated - work - inserted) -
-/// its value at the start.
+/// Energies at step n [J]; the balance residual is (kinetic + potential + elastic + dissipated - work - inserted -
+/// sizes) - its value at the start.
 struct Energies {
   /// Potential: along periodic axes minus the work of gravity since the start, elsewhere by height.
   double kinetic_translation = 0, kinetic_rotation = 0, potential = 0, elastic = 0;
@@ -36,6 +36,7 @@ struct Energies {
   double wall_work = 0;  ///< done by moving walls, driven particles and gas on the grains
   double inserted = 0;   ///< kinetic + potential energy brought in minus taken out by sources, removals, events
   double residual = 0;
+  double sizes = 0;  ///< what changing radii and masses of grains have brought in: elastic, kinetic, potential
 };
 
 /// A body of several spheres.
@@ -69,6 +70,7 @@ struct Frame {
   std::vector<ExtraColumn> extra;             ///< of optional parts, in the order of their list
   std::vector<BodyRecord> bodies;             ///< in id order; particles are their spheres
   std::vector<ContactRecord> contacts;        ///< on request
+  std::vector<ExtraColumn> contact_extra;     ///< the same of contacts; one value per entry of `contacts`
   std::vector<WallSurface> walls;             ///< current pose; empty without walls
   std::vector<WallLoad> wall_loads;
 };

@@ -222,6 +222,7 @@ PolyData contact_poly(const Frame& frame) {
     for (const ContactRecord& c : frame.contacts) q.append(values, c);
     p.point_data.push_back({std::string(q.name), q.components, std::move(values)});
   }
+  for (const ExtraColumn& e : frame.contact_extra) p.point_data.push_back({e.name, 1, e.values});
   return p;
 }
 

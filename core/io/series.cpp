@@ -115,6 +115,7 @@ SeriesLayout SeriesLayout::of(const Scene& scene, std::vector<std::string> walls
   // normal forces turn bodies that are no spheres
   l.rotation = l.friction ||
                std::any_of(scene.sources.begin(), scene.sources.end(), [](const Source& s) { return s.shape >= 0; });
+  l.sizes = changes_sizes(scene);
   l.wall_contacts = !walls.empty();
   l.superquadrics = makes_superquadrics(scene);
   l.walls = std::move(walls);

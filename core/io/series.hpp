@@ -20,7 +20,7 @@ namespace talus {
 /// Which columns exist besides those that always do.
 struct SeriesLayout {
   bool inserted = false, wall_contacts = false, energies = false, rotation = false, friction = false,
-       superquadrics = false;
+       superquadrics = false, sizes = false;
   std::vector<const AverageQuantity*> averages = averages_of(Scene{});  ///< of each region
   std::vector<std::string> walls, planes, regions;                      ///< names
   std::vector<std::string> parts;                                       ///< columns of optional parts

@@ -26,6 +26,7 @@ bool has_sources(const SeriesLayout& l) { return l.inserted; }
 bool has_walls(const SeriesLayout& l) { return l.wall_contacts; }
 bool has_superquadrics(const SeriesLayout& l) { return l.superquadrics; }
 bool has_energies(const SeriesLayout& l) { return l.energies; }
+bool has_sizes(const SeriesLayout& l) { return l.energies && l.sizes; }
 bool has_rotation(const SeriesLayout& l) { return l.energies && l.rotation; }
 bool has_friction(const SeriesLayout& l) { return l.energies && l.friction; }
 
@@ -66,8 +67,12 @@ constexpr SeriesQuantity<SeriesRow> k_run[] = {
      energy<&Energies::wall_work>, has_energies},
     {"inserted_energy", "J", k_sum, "kinetic and potential energy that sources, events and open sides brought in",
      energy<&Energies::inserted>, has_energies},
+    {"resized_energy", "J", k_sum,
+     "brought in by changing sizes: elastic of overlaps, kinetic and potential of the mass that comes",
+     energy<&Energies::sizes>, has_sizes},
     {"balance_residual", "J", k_sum,
-     "kinetic + potential + elastic + dissipated - wall_work - inserted_energy, less its value at the start",
+     "kinetic + potential + elastic + dissipated - wall_work - inserted_energy - resized_energy, less its value at the "
+     "start",
      energy<&Energies::residual>, has_energies},
 };
 

@@ -24,6 +24,7 @@ struct MatterHeat {
   double young = 0;                  ///< real modulus [Pa]; 0: that of the contact law
   double solidus = 0, liquidus = 0;  ///< between which it melts [K]
   double latent_heat = 0;            ///< of melting [J/kg]; 0: it does not
+  double expansion = 0;              ///< of the radius per rise of temperature [1/K]
 };
 
 /// Of the grains of a source.

@@ -328,6 +328,13 @@ struct Scene {
   ListPolicy fitting_policy() const noexcept;
 };
 
+/// Radii of grains change while they move.
+inline bool changes_sizes(const Scene& s) {
+  for (const MatterHeat& m : s.heat.matter)
+    if (m.expansion != 0) return true;
+  return s.conversion.on && s.conversion.resize;
+}
+
 /// How a scene is executed; never changes a result (DESIGN I8).
 struct RunOptions {
   int threads = 0;  ///< 0: all cores the process may use

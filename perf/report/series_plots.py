@@ -47,7 +47,8 @@ def series_plots(s):
         over_time(s, "Energies", "energy [J]", [
             ("kinetic_translation", "translation"), ("kinetic_rotation", "rotation"), ("potential", "potential"),
             ("elastic", "elastic"), ("dissipated_damping", "lost, damping"), ("dissipated_friction", "lost, friction"),
-            ("dissipated_background", "lost, background"), ("wall_work", "work of walls")]),
+            ("dissipated_background", "lost, background"), ("wall_work", "work of walls"),
+            ("resized_energy", "changing sizes")]),
         over_time(s, "Energy balance", "residual [J]", [("balance_residual", "residual")]),
         wall_forces(s),
     ]

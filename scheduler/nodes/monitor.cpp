@@ -63,7 +63,7 @@ ChunkExtremes::Extreme reduced(const Contacts& contacts, Watch watch) {
 
 void judge_energy(const Rules& rules, const Clock& clock, Monitor& monitor, const Energies& e) {
   const double turned = e.kinetic_translation + e.kinetic_rotation + e.elastic + e.dissipated_damping +
-                        e.dissipated_friction + e.dissipated_background + std::fabs(e.wall_work);
+                        e.dissipated_friction + e.dissipated_background + std::fabs(e.wall_work) + std::fabs(e.sizes);
   monitor.energy_scale = fmax2(monitor.energy_scale, turned);
   if (!(monitor.energy_scale > 0)) return;
   const MonitorSettings& m = rules.scene.monitor;

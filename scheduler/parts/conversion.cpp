@@ -36,9 +36,9 @@ const Conversion::Shown Conversion::k_shown[k_columns] = {{"mean_temperature", "
                                                           {"fuel", "kg", k_out_fuel},
                                                           {"char", "kg", k_out_char},
                                                           {"ash", "kg", k_out_ash}};
-const int Conversion::k_books[k_fixed_books] = {k_out_heat_in,  k_out_contact,        k_out_reaction, k_out_with_gas,
-                                                k_out_oxygen,   k_out_carbon_dioxide, k_out_steam,    k_out_gone,
-                                                k_out_gone + 1, k_out_gone + 2,       k_out_gone + 3, k_out_gone + 4};
+const int Conversion::k_books[k_fixed_books] = {
+    k_out_heat_in, k_out_contact,  k_out_reaction, k_out_with_gas, k_out_oxygen,   k_out_carbon_dioxide, k_out_steam,
+    k_out_gone,    k_out_gone + 1, k_out_gone + 2, k_out_gone + 3, k_out_gone + 4, k_out_standard};
 
 Conversion::Conversion(const Rules& rules, const ConversionSettings& settings)
     : rules_(rules),
@@ -312,6 +312,12 @@ std::vector<PartValue> Conversion::values(const PartView& w) const {
   if (cells_) {
     out.push_back({"conversion.carbon_dioxide_taken", "kg", book(k_out_carbon_dioxide)});
     out.push_back({"conversion.steam_taken", "kg", book(k_out_steam)});
+    // what its reactions have added to the heats of grains and the enthalpy of the gas, less
+    double formation = book(k_out_standard);
+    for (std::size_t g = 0; g < gases_.size(); ++g) formation += totals_[k_fixed_books + g] * formation_of(gases_[g]);
+    formation -= book(k_out_oxygen) * formation_of("O2") + book(k_out_carbon_dioxide) * formation_of("CO2") +
+                 book(k_out_steam) * formation_of("H2O");
+    out.push_back({"conversion.formation", "J", -formation});
   }
   for (int e = 0; e < k_bed_elements && cells_; ++e)
     out.push_back({fmt::format("conversion.gone_{}", k_elements_of[e]), "kg", book(k_out_gone + e)});

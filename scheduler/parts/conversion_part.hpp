@@ -49,12 +49,12 @@ class Conversion final : public Part, public GrainInside {
   };
   static constexpr std::size_t k_columns = 8;
   static const Shown k_shown[k_columns];
-  /// Of the solver's output, what the ledger sums: heat, gas taken, elements; then the gases, then the excess of its
-  /// step.
-  static constexpr std::size_t k_fixed_books = 12;
+  /// Of the solver's output, what the ledger sums: heat, gas taken (O2, CO2, H2O), elements, what goes to gas cells by
+  /// extents; then the gases, then the excess of its step.
+  static constexpr std::size_t k_fixed_books = 13;
   static const int k_books[k_fixed_books];
   enum ShownAt : std::size_t { k_shown_surface = 1, k_shown_char = 6 };  ///< places in k_shown
-  static constexpr std::size_t k_books_taken = 4;                        ///< in k_books: O2, CO2, H2O from here
+  static constexpr std::size_t k_books_reaction = 2, k_books_with_gas = 3, k_books_taken = 4, k_books_standard = 12;
 
  private:
   using Kind = ConvertingKind;

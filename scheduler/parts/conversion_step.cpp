@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/base/error.hpp"
+#include "core/conversion/cell_gases.hpp"
 #include "scheduler/parts/conversion_part.hpp"
 #include "scheduler/parts/gas_coupling.hpp"
 #include "scheduler/state/step_failure.hpp"
@@ -219,7 +220,11 @@ void Conversion::give(const PartView& w, GasCells& gas) {
     GasFractions released{};
     for (std::size_t k = 0; k < released.size(); ++k) released[k] = x[k_fixed_books + kind->gases[k]];
     const double* taken = x + k_books_taken;
-    gas.give(i, released, {taken[0], taken[1], taken[2]}, shown_[k_shown_surface][static_cast<std::size_t>(i)]);
+    // cell_gases.hpp: what the grain has lost, and what its reactions set free by their extents
+    double energy = x[k_books_standard] - x[k_books_reaction] + x[k_books_with_gas];
+    for (std::size_t k = 0; k < released.size(); ++k) energy += released[k] * formation_enthalpy(static_cast<int>(k));
+    for (std::size_t k = 0; k < 3; ++k) energy -= taken[k] * formation_enthalpy(k_oxidants[k]);
+    gas.give(i, released, {taken[0], taken[1], taken[2]}, energy);
   }
   gas.settle();
 }

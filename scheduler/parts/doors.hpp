@@ -76,9 +76,9 @@ class GasCells {
   /// What grains would take at most of a gas that were nothing but oxidant [kg/s], by row. From then on `kept` is what
   /// remains in the cells at the end of the step if all of them do: no cell can run out.
   virtual void offer(const PartView& w, const std::vector<double>& uptake) = 0;
-  /// What a grain has released at its temperature [K], and taken of O2, CO2, H2O, in the step [kg]. Rows ascend; then
-  /// settle.
-  virtual void give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double temperature) = 0;
+  /// What a grain has released, and taken of O2, CO2, H2O, in the step [kg]; the enthalpy of all this, those of
+  /// formation included [J]. Rows ascend; then settle.
+  virtual void give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double enthalpy) = 0;
   virtual void settle() = 0;
 };
 

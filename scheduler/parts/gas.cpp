@@ -162,7 +162,7 @@ class GasPart final : public Part, public GasCells {
   double conductance(Row i) const override { return row_of<GasAtGrain>(around_, i).conductance; }
   GasNear near(Row i) const override;
   void offer(const PartView& w, const std::vector<double>& uptake) override;
-  void give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double temperature) override;
+  void give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double enthalpy) override;
   void settle() override { gas_.settle(); }
 
   double work() const override { return work_.done; }
@@ -366,26 +366,28 @@ void GasPart::offer(const PartView& w, const std::vector<double>& uptake) {
       kept_[c][k] = gas_.fields().fractions[c][k_taken[k]] / (1 + dt * all[c] / gas::sum(gas_.content().mass[c]));
 }
 
-/// What is taken comes from each cell as much as it keeps: no more than its share of what lasts.
-void GasPart::give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double temperature) {
+/// What is taken comes from each cell as much as it keeps: no more than its share of what lasts; it leaves at the
+/// temperature of the cell, so that what is released brings the rest.
+void GasPart::give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double enthalpy) {
   std::array<double, 3> seen{};
   shares_.each(i, [&](std::size_t c, double, double weight) {
     for (std::size_t k = 0; k < 3; ++k) seen[k] += weight * kept_[c][k];
   });
+  const auto from = [&](std::size_t c, double weight, std::size_t k) {
+    return taken[k] > 0 ? taken[k] * (weight * kept_[c][k] / seen[k]) : 0;
+  };
+  const auto carried = [&](std::size_t c, double weight) {
+    GasFractions m{};
+    for (std::size_t k = 0; k < 3; ++k) m[k_taken[k]] = from(c, weight, k);
+    return gas::enthalpy(m, gas_.fields().temperature[c]);
+  };
+  double brought = enthalpy;
+  shares_.each(i, [&](std::size_t c, double, double weight) { brought += carried(c, weight); });
   shares_.each(i, [&](std::size_t c, double, double weight) {
     GasFractions m{};
-    double enthalpy = 0;
-    for (std::size_t k = 0; k < m.size(); ++k) {
-      m[k] = weight * released[k];
-      if (m[k] != 0) enthalpy += m[k] * gas::enthalpy(static_cast<int>(k), temperature);
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (!(taken[k] > 0)) continue;
-      const double mass = taken[k] * (weight * kept_[c][k] / seen[k]);
-      m[k_taken[k]] -= mass;
-      enthalpy -= mass * gas::enthalpy(static_cast<int>(k_taken[k]), gas_.fields().temperature[c]);
-    }
-    gas_.give(static_cast<int>(c), m, enthalpy);
+    for (std::size_t k = 0; k < m.size(); ++k) m[k] = weight * released[k];
+    for (std::size_t k = 0; k < 3; ++k) m[k_taken[k]] -= from(c, weight, k);
+    gas_.give(static_cast<int>(c), m, weight * brought - carried(c, weight));
   });
 }
 

@@ -98,6 +98,10 @@ class Heat final : public Part, public GrainHeat {
     molten.in = s_.any_melts;
     molten.output = s_.any_melts;
     columns.add(molten, s_.molten, &s_.next_molten);
+    ColumnInfo size = info("radii of expansion", "m", "material.heat.expansion", true, k_seed + 3);
+    size.in = s_.any_expands;
+    size.width = 3;
+    columns.add(size, s_.size, &s_.next_size);
     columns.add(info("heat flow", "W", "heat", false, 0), s_.flow);
     columns.add(info("heat conductance", "W/K", "heat", false, 0), s_.conductance);
     ColumnInfo loss = info("heat of friction", "J", "heat.friction", true, k_seed + 2);
@@ -123,6 +127,7 @@ class Heat final : public Part, public GrainHeat {
                                [this](const PartView& w, const Chunk&) { heat_step(s_, w); }}};
     if (!s_.scene.lasers.empty()) all[1].reads.push_back({"laser heat"});
     if (s_.any_melts) all[1].writes.push_back({"molten"});
+    if (s_.any_expands) all[1].writes.push_back({"radii of expansion"});
     if (std::find(s_.shells.begin(), s_.shells.end(), 1) != s_.shells.end())
       for (PartNode& n : all) n.reads.push_back({"grain surface", true});
     if (s_.scene.friction)
@@ -152,6 +157,10 @@ class Heat final : public Part, public GrainHeat {
       s_.enthalpy[at] = s_.next_enthalpy[at] = E;
       if (s_.any_melts)
         s_.molten[at] = s_.next_molten[at] = s_.matter[m].enthalpy.molten(s_.matter[m].enthalpy.at(h.temperature));
+      if (s_.any_expands) {
+        const double r = rows.p[4L * i + 3], sizes[] = {r, r, r / (1 + s_.matter[m].expansion * h.temperature)};
+        for (Column<double>* c : {&s_.size, &s_.next_size}) std::copy_n(sizes, 3, c->data() + 3L * i);
+      }
       if (s_.any_held) s_.held[at] = static_cast<std::int16_t>(h.held ? source + 1 : 0);
       s_.totals.sources += E;
     }
@@ -162,13 +171,28 @@ class Heat final : public Part, public GrainHeat {
     std::swap(s_.temperature, s_.next_temperature);
     std::swap(s_.enthalpy, s_.next_enthalpy);
     std::swap(s_.molten, s_.next_molten);
+    std::swap(s_.size, s_.next_size);
     s_.totals = s_.totals_before;
     s_.last_step = -1;
   }
 
   std::vector<PartValue> values(const PartView& w) const override;
+  bool resizes() const override { return s_.any_expands; }
+  void sizes(const PartView& w, const Chunk&, const RowSizes& s) const override {
+    const double share = static_cast<double>(w.clock.step % s_.scene.every + 1) / static_cast<double>(s_.scene.every);
+    for (Row i = s.lo; i < s.hi; ++i) {
+      if (!w.rows.is_alive(i) || !(s_.matter[static_cast<std::size_t>(s_.material(w, i))].expansion > 0)) continue;
+      const double *r = s_.size.data() + 3L * i, from = r[0], to = r[1];
+      s.radius[i - s.lo] = share < 1 ? from + share * (to - from) : to;
+    }
+  }
 
   std::vector<std::string> advice(const PartView& w) const override { return heat_advice(s_, w); }
+
+  std::pair<std::string, std::string> contact_column() const override { return {"heat_flow", "W"}; }
+  double of_contact(const PartView& w, Row i, Row j, int wall, double overlap) const override {
+    return j < 0 ? heat_of_wall(s_, w, i, wall, overlap) : heat_of_pair(s_, w, i, j, overlap);
+  }
 
   std::vector<std::uint8_t> save() const override {
     std::vector<double> all{static_cast<double>(s_.wall_flow.size()), static_cast<double>(s_.source_flow.size())};
@@ -286,6 +310,8 @@ HeatState::HeatState(const Rules& rules) : scene(rules.scene.heat) {
     any_melts = any_melts || q.enthalpy.melts();
     q.conductivity = heat::Property::of(m.conductivity);
     q.emissivity = m.emissivity;
+    q.expansion = m.expansion;
+    any_expands = any_expands || m.expansion > 0;
     q.least_capacity = capacity.least_on(cold, k_hot);
     matter.push_back(q);
   }

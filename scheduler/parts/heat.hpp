@@ -24,6 +24,7 @@ struct HeatMatter {
   heat::Property conductivity;
   double emissivity = 0;
   double least_capacity = 0;  ///< [J/kg/K]
+  double expansion = 0;       ///< [1/K]
 };
 
 /// Contacts of two materials.
@@ -48,19 +49,22 @@ struct HeatState {
   std::vector<HeatMatter> matter;
   std::vector<HeatPair> pairs;  ///< materials squared
   std::vector<char> shells;     ///< by material: the part conversion computes its grains
-  bool any_held = false, any_melts = false;
+  bool any_held = false, any_melts = false, any_expands = false;
 
   Column<double> temperature, next_temperature, enthalpy, next_enthalpy;  ///< [K], [J]
   Column<double> molten, next_molten;                                     ///< share of the grain
-  Column<double> loss;                                                    ///< since the last heat step [J]
-  Column<double> flow, conductance;                                       ///< of the present heat step [W], [W/K]
-  Column<std::int16_t> held;  ///< source + 1 of grains that keep their temperature
+  Column<double> size, next_size;    ///< [3 n]: radius at the last heat step, to come at the next one, at 0 K [m]
+  Column<double> loss;               ///< since the last heat step [J]
+  Column<double> flow, conductance;  ///< of the present heat step [W], [W/K]
+  Column<std::int16_t> held;         ///< source + 1 of grains that keep their temperature
 
   HeatTotals totals, totals_before;
   std::vector<double> wall_flow, wall_heat;  ///< of heat.wall entries, into grains: last heat step [W], all [J]
   std::vector<double> wall_area;             ///< of those with a flux [m2]; known from the first heat step on
   std::vector<double> source_flow;           ///< of sources that hold their temperature [W]
   std::int64_t last_step = -1;               ///< that ended with a heat step
+  mutable std::vector<double> flux_share;    ///< of heat.wall entries, for contact files
+  mutable std::int64_t shares_step = -1;     ///< that it is of
   const Clock* clock = nullptr;
 
   double dt(const PartView& w) const { return w.rules.scene.dt * static_cast<double>(scene.every); }
@@ -78,7 +82,10 @@ struct HeatState {
   }
 };
 
-void heat_contacts(HeatState& s, const PartView& w, const Chunk& c);           ///< heat_contacts.cpp
+void heat_contacts(HeatState& s, const PartView& w, const Chunk& c);                       ///< heat_contacts.cpp
+double heat_of_pair(const HeatState& s, const PartView& w, Row i, Row j, double overlap);  ///< conducted into i [W]
+/// The same of a contact with a wall. [W]; heat_walls.cpp
+double heat_of_wall(const HeatState& s, const PartView& w, Row i, int wall, double overlap);
 std::vector<int> heat_wall_entries(const HeatState& s, const WallSet& walls);  ///< [[heat.wall]] of each wall, or -1
 void heat_walls(HeatState& s, const PartView& w);                 ///< heat_walls.cpp: adds to flow, conductance
 void heat_step(HeatState& s, const PartView& w);                  ///< heat_step.cpp

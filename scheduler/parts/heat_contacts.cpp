@@ -20,6 +20,22 @@ double HeatPair::of(double r_star, double overlap) const {
   return 0;
 }
 
+namespace {
+
+/// [W/K]
+double conductance_of(const HeatState& s, const PartView& w, const GrainInside* inside, Row i, Row j, double overlap) {
+  const double radius =
+      s.pair(s.material(w, i), s.material(w, j)).of(heat::reduced(w.rows.p[4L * i + 3], w.rows.p[4L * j + 3]), overlap);
+  return heat::contact_conductance(s.conductivity(w, inside, i), s.conductivity(w, inside, j), radius);
+}
+
+}  // namespace
+
+double heat_of_pair(const HeatState& s, const PartView& w, Row i, Row j, double overlap) {
+  const double g = conductance_of(s, w, part_as<GrainInside>(w.parts), i, j, overlap);
+  return g * (s.temperature[static_cast<std::size_t>(j)] - s.temperature[static_cast<std::size_t>(i)]);
+}
+
 void heat_contacts(HeatState& s, const PartView& w, const Chunk& c) {
   const Scratch& t = *c.scratch;
   const double *T = s.temperature.data(), *p = w.rows.p.data();
@@ -32,9 +48,7 @@ void heat_contacts(HeatState& s, const PartView& w, const Chunk& c) {
     const Row i = t.ci[static_cast<std::size_t>(q)], j = t.cj[static_cast<std::size_t>(q)];
     const double *a = p + 4L * i, *b = p + 4L * j;
     const double d = norm(box.nearest({a[0] - b[0], a[1] - b[1], a[2] - b[2]}));
-    const int m = s.material(w, i), k = s.material(w, j);
-    const double radius = s.pair(m, k).of(heat::reduced(a[3], b[3]), (a[3] + b[3]) - d);
-    const double g = heat::contact_conductance(s.conductivity(w, inside, i), s.conductivity(w, inside, j), radius);
+    const double g = conductance_of(s, w, inside, i, j, (a[3] + b[3]) - d);
     const double f = g * (T[j] - T[i]);
     flow[i] = flow[i] + f;
     conductance[i] = conductance[i] + g;

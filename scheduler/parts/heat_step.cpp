@@ -286,8 +286,17 @@ class HeatStep {
         s_.next_temperature[at] = matter(i).enthalpy.temperature(per_mass, s_.temperature[at]);
         if (s_.any_melts) s_.next_molten[at] = matter(i).enthalpy.molten(per_mass);
       }
+      if (s_.any_expands) expand(i);
       if (!(s_.next_temperature[at] > 0)) sum.worst = i;
     });
+  }
+
+  void expand(Row i) {
+    const double* now = s_.size.data() + 3L * i;
+    double* next = s_.next_size.data() + 3L * i;
+    next[0] = now[1];
+    next[1] = now[2] * (1 + matter(i).expansion * s_.next_temperature[static_cast<std::size_t>(i)]);
+    next[2] = now[2];
   }
 
   void add_up() {
@@ -371,6 +380,7 @@ void heat_step(HeatState& s, const PartView& w) {
   std::swap(s.temperature, s.next_temperature);
   std::swap(s.enthalpy, s.next_enthalpy);
   std::swap(s.molten, s.next_molten);
+  std::swap(s.size, s.next_size);
   s.last_step = w.clock.step;
 }
 

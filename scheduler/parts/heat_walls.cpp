@@ -19,14 +19,18 @@ double area_of(const PartView& w, const std::string& name) {
 }
 
 /// Of one contact with the wall's surface, its layer included [W/K].
-double conductance_of(const HeatState& s, const PartView& w, const WallHeat& wall, const WallState& t) {
-  const double r = w.rows.p[4L * t.row + 3], T = s.temperature[static_cast<std::size_t>(t.row)];
-  const int m = s.material(w, t.row), k = w.walls.material(t.contact.wall);
-  const double a = s.pair(m, k).of(r, r - t.contact.distance);
-  const double g = heat::contact_conductance(s.conductivity(w, part_as<GrainInside>(w.parts), t.row),
+double conductance_of(const HeatState& s, const PartView& w, const WallHeat& wall, Row i, int number, double overlap) {
+  const double r = w.rows.p[4L * i + 3], T = s.temperature[static_cast<std::size_t>(i)];
+  const int m = s.material(w, i), k = w.walls.material(number);
+  const double a = s.pair(m, k).of(r, overlap);
+  const double g = heat::contact_conductance(s.conductivity(w, part_as<GrainInside>(w.parts), i),
                                              s.matter[static_cast<std::size_t>(k)].conductivity.at(T), a);
   if (wall.layer.empty() || !(g > 0)) return g;
   return 1 / (1 / g + wall.layer[0] / (wall.layer[1] * (det::k_pi * (r * r))));
+}
+
+double conductance_of(const HeatState& s, const PartView& w, const WallHeat& wall, const WallState& t) {
+  return conductance_of(s, w, wall, t.row, t.contact.wall, w.rows.p[4L * t.row + 3] - t.contact.distance);
 }
 
 template <class F>
@@ -48,6 +52,33 @@ std::vector<int> heat_wall_entries(const HeatState& s, const WallSet& walls) {
   return entry;
 }
 
+/// What a unit of conductance receives of a given flux, by entry [K].
+std::vector<double> shares_of_flux(const HeatState& s, const PartView& w, const std::vector<int>& entry) {
+  std::vector<double> share(s.scene.walls.size(), 0.0), sum(s.scene.walls.size(), 0.0);
+  for_contacts(w, entry, [&](std::size_t e, const WallState& t) {
+    if (s.scene.walls[e].flux.given()) sum[e] = sum[e] + conductance_of(s, w, s.scene.walls[e], t);
+  });
+  for (std::size_t e = 0; e < share.size(); ++e)
+    if (sum[e] > 0)
+      share[e] = s.scene.walls[e].flux(s.middle(w)) *
+                 (s.wall_area.empty() ? area_of(w, s.scene.walls[e].wall) : s.wall_area[e]) / sum[e];
+  return share;
+}
+
+double heat_of_wall(const HeatState& s, const PartView& w, Row i, int wall, double overlap) {
+  const std::vector<int> entry = heat_wall_entries(s, w.walls);
+  const int e = entry[static_cast<std::size_t>(wall)];
+  if (e < 0) return 0;
+  const WallHeat& h = s.scene.walls[static_cast<std::size_t>(e)];
+  const double g = conductance_of(s, w, h, i, wall, overlap);
+  if (h.temperature.given()) return g * (h.temperature(s.middle(w)) - s.temperature[static_cast<std::size_t>(i)]);
+  if (s.shares_step != w.clock.step) {
+    s.flux_share = shares_of_flux(s, w, entry);
+    s.shares_step = w.clock.step;
+  }
+  return g * s.flux_share[static_cast<std::size_t>(e)];
+}
+
 void heat_walls(HeatState& s, const PartView& w) {
   std::fill(s.wall_flow.begin(), s.wall_flow.end(), 0.0);
   if (s.scene.walls.empty()) return;
@@ -55,13 +86,7 @@ void heat_walls(HeatState& s, const PartView& w) {
   if (s.wall_area.empty())
     for (const WallHeat& wall : s.scene.walls) s.wall_area.push_back(wall.flux.given() ? area_of(w, wall.wall) : 0.0);
   const double now = s.middle(w);
-  // what a unit of conductance receives of a given flux
-  std::vector<double> share(s.scene.walls.size(), 0.0), sum(s.scene.walls.size(), 0.0);
-  for_contacts(w, entry, [&](std::size_t e, const WallState& t) {
-    if (s.scene.walls[e].flux.given()) sum[e] = sum[e] + conductance_of(s, w, s.scene.walls[e], t);
-  });
-  for (std::size_t e = 0; e < share.size(); ++e)
-    if (sum[e] > 0) share[e] = s.scene.walls[e].flux(now) * s.wall_area[e] / sum[e];
+  const std::vector<double> share = shares_of_flux(s, w, entry);
   for_contacts(w, entry, [&](std::size_t e, const WallState& t) {
     const WallHeat& wall = s.scene.walls[e];
     const auto i = static_cast<std::size_t>(t.row);

@@ -19,7 +19,29 @@ Ledger::Ledger(const Rules& rules, Columns& columns) {
   columns.add(i, rows);
 }
 
+void Ledger::count_sizes(Columns& columns) {
+  ColumnInfo i;
+  i.name = "energy by radius";
+  i.unit = "N, J";
+  i.why = "output.energies and changing sizes";
+  i.width = 2;
+  i.moves = false;
+  columns.add(i, push);
+  ColumnInfo g;
+  g.name = "growth";
+  g.label = "growth of the last step, the one before";
+  g.unit = "m";
+  g.why = i.why;
+  g.saved = true;
+  columns.add(g, grown, &spare);
+}
+
 namespace {
+
+/// Old radius over new one: rows of velocities hold radius times spin.
+double size_ratio(const Rows& rows, Row i) {
+  return rows.resized && rows.p[4L * i + 3] > 0 ? rows.p2[4L * i + 3] / rows.p[4L * i + 3] : 1;
+}
 
 /// Angular velocity of a body at n-1/2, as it lies at n, which the second buffers hold now [rad/s].
 Vec3 old_spin(const Rules& rules, const Rows& rows, std::int32_t b) {
@@ -28,10 +50,33 @@ Vec3 old_spin(const Rules& rules, const Rows& rows, std::int32_t b) {
   return spin_of(shape_of(rules, rows.bodies, b), 1 / inertia_scale(rows.bodies, b), shapes::rotation(s.turn), s.spin);
 }
 
+/// What the changing size of row i brings in: on the way to n (place 0) what was not known before the contacts of n; on
+/// that to n + 1 the share of those contacts, and the energy of the mass that comes, at the velocity between.
+std::array<double, 2> size_work(const Rules& rules, const Clock& clock, const Rows& rows, Ledger& ledger, Row i) {
+  const auto at = static_cast<std::size_t>(i);
+  const double *x = rows.p2.data() + 4L * i, *next = rows.p.data() + 4L * i;
+  const double push = 0.5 * ledger.push[2 * at], settled = push * ledger.grown[at];
+  ledger.spare[at] = next[3] - x[3];
+  const auto [v, inverse_mass] = velocity_of(rows, i);
+  if (!rows.is_alive(i) || !(inverse_mass > 0)) return {settled, 0};
+  double ahead = push * ledger.spare[at];
+  const double before = old_mass_of(rules, rows, i), after = mass_of(rules, rows, i), come = after - before;
+  ahead += 0.5 * come * ((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
+  if (rules.has.rotation) {  // the row holds the new radius times the spin
+    const double scale = x[3] / next[3];
+    ahead += 0.2 * (after - before * (scale * scale)) * ((v[4] * v[4] + v[5] * v[5]) + v[6] * v[6]);
+  }
+  const Vec3 along = gravity_along(rules, clock, false), pull = gravity_along(rules, clock, true);
+  const Vec3 middle = 0.5 * Vec3{x[0] + next[0], x[1] + next[1], x[2] + next[2]} + rules.scene.domain.lower;
+  ahead -= come * (dot(along, middle) + 0.5 * rules.scene.dt * dot(pull, Vec3{v[0], v[1], v[2]}));
+  return {settled, ahead};
+}
+
 /// Terms of one block of rows: damping, friction, background, drive, gravity along periodic axes, in places 1 to 5.
 StepWork work_of_rows(const Rules& rules, const Rows& rows, const Ledger& ledger, Row from, Row to, Vec3 pull) {
   StepWork part{};
   const bool pulled = norm2(pull) > 0;
+  const auto mass = [&](Row i) { return rows.resized ? old_mass_of(rules, rows, i) : mass_of(rules, rows, i); };
   for (Row i = from; i < to; ++i) {
     const double* e = ledger.rows.data() + 4L * i;
     for (int k = 1; k < 3; ++k) part[k] = part[k] + e[k];
@@ -43,7 +88,7 @@ StepWork work_of_rows(const Rules& rules, const Rows& rows, const Ledger& ledger
     if (pulled && rows.is_alive(i)) {
       // v2 holds v(n-1/2) now: what gravity has done on the way from n-1 to n
       const auto [u, inverse_mass] = velocity_of(rows, i, true);
-      if (inverse_mass > 0) part[5] += rules.scene.dt * mass_of(rules, rows, i) * dot(pull, Vec3{u[0], u[1], u[2]});
+      if (inverse_mass > 0) part[5] += rules.scene.dt * mass(i) * dot(pull, Vec3{u[0], u[1], u[2]});
     }
     if (rules.scene.viscous_damping != 0 && rows.is_alive(i)) {
       const auto [v, inverse_mass] = velocity_of(rows, i);
@@ -55,9 +100,8 @@ StepWork work_of_rows(const Rules& rules, const Rows& rows, const Ledger& ledger
                                                       momentum_in_space(rules, rows.bodies, body))) /
               (0.4 * rows.bodies.mass(body));
       else if (rules.has.rotation)
-        for (int k = 4; k < 7; ++k) rot += u[k] * (0.5 * (u[k] + v[k]));
-      if (inverse_mass > 0)
-        part[3] += rules.scene.viscous_damping * rules.scene.dt * mass_of(rules, rows, i) * (q + 0.4 * rot);
+        for (int k = 4; k < 7; ++k) rot += u[k] * (0.5 * (u[k] + size_ratio(rows, i) * v[k]));
+      if (inverse_mass > 0) part[3] += rules.scene.viscous_damping * rules.scene.dt * mass(i) * (q + 0.4 * rot);
     }
   }
   return part;
@@ -104,11 +148,18 @@ void add_step_work(const Rules& rules, const Clock& clock, const Rows& rows, con
       const auto from = static_cast<Row>(b * k_energy_block);
       ledger.blocks[static_cast<std::size_t>(b)] =
           work_of_rows(rules, rows, ledger, from, std::min<Row>(rows.n, from + k_energy_block), pull);
+      if (!rows.resized) continue;
+      StepWork& part = ledger.blocks[static_cast<std::size_t>(b)];
+      for (Row i = from; i < std::min<Row>(rows.n, from + k_energy_block); ++i) {
+        const auto [settled, ahead] = size_work(rules, clock, rows, ledger, i);
+        part[6] += settled;
+        part[7] += ahead;
+      }
     }
   });
   StepWork sum{};
   for (const StepWork& part : ledger.blocks)
-    for (int k = 1; k < 6; ++k) sum[k] = sum[k] + part[k];
+    for (int k = 1; k < 8; ++k) sum[k] = sum[k] + part[k];
   double power = sum[4];
   if (rules.has.moving_walls)
     for (const auto& c : contacts.chunks)
@@ -116,11 +167,15 @@ void add_step_work(const Rules& rules, const Clock& clock, const Rows& rows, con
   ledger.work_before = ledger.work;
   const double before = ledger.work.drive;
   ledger.work.drive = power;
+  if (rows.resized) std::swap(ledger.grown, ledger.spare);
+  const double known = ledger.work.sizes_ahead;
+  ledger.work.sizes_ahead = sum[7];
   if (clock.step <= rules.scene.relax.steps) return;
   ledger.work.damping += sum[1];
   ledger.work.friction += sum[2];
   ledger.work.background += sum[3];
   ledger.work.gravity += sum[5];
+  ledger.work.sizes += known + sum[6];
   // energies hold at n: the trapezium rule over [n-1, n]
   ledger.work.wall += 0.5 * (before + power);
 }
@@ -148,8 +203,9 @@ Energies energies_of(const Rules& rules, const Clock& clock, const Rows& rows, c
   };
   const auto mean2 = [&](Row i, int from) {
     const double *u = velocity_of(rows, i, !start).v, *v = given ? u : velocity_of(rows, i).v;
+    const double scale = from == 4 && !start && !given ? size_ratio(rows, i) : 1;
     double s = 0;
-    for (int k = from; k < from + 3; ++k) s += 0.25 * (u[k] + v[k]) * (u[k] + v[k]);
+    for (int k = from; k < from + 3; ++k) s += 0.25 * (u[k] + scale * v[k]) * (u[k] + scale * v[k]);
     return s;
   };
   e.kinetic_translation = sum_rows(rows, [&](Row i) { return 0.5 * mass(i) * mean2(i, 0); });
@@ -172,8 +228,9 @@ Energies energies_of(const Rules& rules, const Clock& clock, const Rows& rows, c
   e.dissipated_background = ledger.work.background;
   e.wall_work = ledger.work.wall;
   e.inserted = ledger.inserted;
+  e.sizes = ledger.work.sizes;
   const double total = e.kinetic_translation + e.kinetic_rotation + e.potential + e.elastic + e.dissipated_damping +
-                       e.dissipated_friction + e.dissipated_background - e.wall_work - e.inserted;
+                       e.dissipated_friction + e.dissipated_background - e.wall_work - e.inserted - e.sizes;
   e.residual = ledger.start_known ? total - ledger.start : 0;
   return e;
 }

@@ -14,8 +14,9 @@
 namespace talus {
 
 inline constexpr int k_energy_block = 1024;
-/// Work of a step, or of a block of its rows [J]: place 1 damping, 2 friction, 3 background, 4 drive, 5 gravity.
-using StepWork = std::array<double, 6>;
+/// Work of a step, or of a block of its rows [J]: place 1 damping, 2 friction, 3 background, 4 drive, 5 gravity, 6 and
+/// 7 changing sizes on the way to n and on that to n + 1.
+using StepWork = std::array<double, 8>;
 
 /// Work since the start [J]: sums over all steps.
 struct WorkTotals {
@@ -23,6 +24,8 @@ struct WorkTotals {
   double wall = 0;                                   ///< of moving walls and driven grains on the others
   double drive = 0;                                  ///< the part of the last step alone, times dt
   double gravity = 0;                                ///< along periodic axes, where a height means nothing
+  double sizes = 0;                                  ///< what changing radii and masses have brought in
+  double sizes_ahead = 0;                            ///< the part of the way to the next step that is known
 };
 
 struct Team;
@@ -30,6 +33,9 @@ struct Team;
 struct Ledger {
   Column<double> rows;  ///< [4 n]: elastic, damping, friction, work of a driven row or what local damping takes [J]
   WorkTotals work, work_before;  ///< before: what a step that fails goes back to
+  // only where sizes change:
+  Column<double> push;  ///< [2 n]: size_push.hpp: derivative of elastic energy by radius [N], half that of pairs [J]
+  Column<double> grown, spare;   ///< [n]: by how much radii have changed in the last step [m]; the step before
   double inserted = 0;           ///< brought in less taken out by sources, removals, events [J]
   std::vector<StepWork> blocks;  ///< of the last step, by block of k_energy_block rows
   Energies resumed;              ///< of the step before the checkpoint that this run goes on from
@@ -37,6 +43,7 @@ struct Ledger {
   bool start_known = false;
 
   Ledger(const Rules& rules, Columns& columns);
+  void count_sizes(Columns& columns);  ///< radii and masses of rows change
 };
 
 /// Adds the work of the finished step to the run's totals. The first step of the motion has no way behind it.

@@ -108,6 +108,28 @@ void load_bodies(Rows& rows, const CheckpointReader& in) {
       bodies.first[static_cast<std::size_t>(b)] = i;
 }
 
+using SavedEnergies = std::array<double, 10>;  // without those of changing sizes, which most scenes have not
+static_assert(sizeof(SavedEnergies) == offsetof(Energies, sizes));
+
+void save_energies(const World& w, CheckpointWriter& out) {
+  const Energies e = energies_of(w);
+  SavedEnergies saved;
+  std::memcpy(&saved, &e, sizeof saved);
+  out.add_value("energies", saved);
+  const WorkTotals& t = w.ledger.work;
+  if (w.rows.resized) out.add_value("energies of sizes", std::array<double, 3>{e.sizes, t.sizes, t.sizes_ahead});
+}
+
+void take_energies(World& w, const CheckpointReader& in) {
+  const auto saved = in.read_value<SavedEnergies>("energies");
+  std::memcpy(&w.ledger.resumed, &saved, sizeof saved);
+  if (!w.rows.resized) return;
+  const auto sizes = in.read_value<std::array<double, 3>>("energies of sizes");
+  w.ledger.resumed.sizes = sizes[0];
+  w.ledger.work.sizes = w.ledger.work_before.sizes = sizes[1];
+  w.ledger.work.sizes_ahead = w.ledger.work_before.sizes_ahead = sizes[2];
+}
+
 void load_parts(Parts& parts, const CheckpointReader& in) {
   for (const auto& p : parts.all)
     if (const std::string section = "part " + p->name(); in.has(section)) p->load(in.section(section), in.path());
@@ -147,7 +169,7 @@ void restore_state(World& w, const CheckpointReader& in, const std::vector<int>&
   load_columns(w.rows.columns, static_cast<std::size_t>(m.n), in);
   load_bodies(w.rows, in);
   take_meta(w, m);
-  if (w.rules.has.energies && in.has("energies")) w.ledger.resumed = in.read_value<Energies>("energies");
+  if (w.rules.has.energies && in.has("energies")) take_energies(w, in);
   if (in.has("planes")) w.planes.load(in.section("planes"), in.path());
   load_parts(w.parts, in);
   w.insertion->load(in.section("insertion"));
@@ -176,7 +198,7 @@ void save_state(const World& w, CheckpointWriter& out) {
   for (const Columns::Entry& e : w.rows.bodies.columns.all())
     if (e.info.in) out.add_view(e.info.name, e.data(), e.bytes * static_cast<std::size_t>(w.rows.bodies.n));
   write_contacts(w.rules, w.contacts, w.walls, failed, out);
-  if (w.rules.has.energies) out.add_value("energies", energies_of(w));
+  if (w.rules.has.energies) save_energies(w, out);
   out.add("insertion", w.insertion->save());
   if (w.rules.has.planes) out.add("planes", w.planes.save());
   for (const auto& p : w.parts.all)

@@ -108,6 +108,7 @@ void take_back(World& w, const StepFailure& failure) {
       w.rows.bodies.swap();
       w.rows.velocity_at_old_step = false;
       w.ledger.work = w.ledger.work_before;
+      std::swap(w.ledger.grown, w.ledger.spare);
       w.planes.take_back();
       for (const auto& p : w.parts.all) p->take_back();
       w.team.times.step = --w.clock.step;

@@ -18,6 +18,7 @@
 #include "scheduler/nodes/narrow.hpp"
 #include "scheduler/nodes/plane_count.hpp"
 #include "scheduler/nodes/resize.hpp"
+#include "scheduler/nodes/size_push.hpp"
 #include "scheduler/nodes/wall_contact.hpp"
 #include "scheduler/step/step.hpp"
 #include "scheduler/step/world.hpp"
@@ -69,9 +70,15 @@ NextChunk next_of(const World& w) {
   return k < 0 ? NextChunk() : NextChunk(w.rows, w.contacts[k]);
 }
 
-void run_force(World& w, Chunk& c) { force_chunk(w.rules, w.clock, w.rows, w.ledger.rows, c, next_of(w)); }
+void run_force(World& w, Chunk& c) {
+  force_chunk(w.rules, w.clock, w.rows, w.ledger.rows, c, next_of(w));
+  if (!w.ledger.push.empty()) push_pairs(w.rules, w.rows, w.ledger, c);
+}
 
-void run_walls(World& w, Chunk& c) { wall_chunk(w.rules, w.clock, w.rows, w.lists, w.walls, w.ledger.rows, c); }
+void run_walls(World& w, Chunk& c) {
+  wall_chunk(w.rules, w.clock, w.rows, w.lists, w.walls, w.ledger.rows, c);
+  if (!w.ledger.push.empty()) push_walls(w.rules, w.rows, w.walls, w.ledger, c);
+}
 
 void run_integrate(World& w, Chunk& c) {
   integrate_chunk(w.rules, w.clock, w.rows, w.lists, w.ledger.rows, c);

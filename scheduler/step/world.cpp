@@ -20,6 +20,7 @@ World::World(Start start)
     p->add_columns(rows.columns);
     rows.resized = rows.resized || p->resizes();
   }
+  if (rows.resized && rules.has.energies) ledger.count_sizes(rows.columns);
 }
 
 }  // namespace talus

@@ -167,6 +167,18 @@ void add_stress(const ContactRecord& c, bool first, double r, std::array<double,
   for (std::size_t m = 0; m < 6; ++m) stress[m] += t[m] / volume;
 }
 
+/// What parts know of contacts.
+void add_contact_columns(const World& w, const std::vector<RowContact>& contacts, Frame& f) {
+  for (const auto& p : w.parts.all) {
+    const auto [name, unit] = p->contact_column();
+    if (name.empty()) continue;
+    ExtraColumn column{name, unit, {}};
+    for (const RowContact& c : contacts)
+      column.values.push_back(p->of_contact(view_of(w), c.i, c.j, static_cast<int>(-1 - c.record.b), c.record.overlap));
+    f.contact_extra.push_back(std::move(column));
+  }
+}
+
 void add_contacts(const World& w, const FrameRequest& q, const std::vector<std::int32_t>& place, Frame& f) {
   const std::vector<RowContact> contacts = present_contacts(w);
   if (q.coordination) f.coordination.assign(f.id.size(), 0);
@@ -181,6 +193,7 @@ void add_contacts(const World& w, const FrameRequest& q, const std::vector<std::
     }
     if (q.contacts) f.contacts.push_back(c.record);
   }
+  if (q.contacts) add_contact_columns(w, contacts, f);
 }
 
 /// Particles in id order; returns the place of each row in it, or -1.

@@ -450,6 +450,86 @@ TEST(Furnace, ElementsAndEnthalpyOfGasAndBurningGrainsClose) {
   figure("burning box", value_of(sim, "gas.temperature_max"), "highest temperature of the gas [K]");
 }
 
+/// Grains, gas and what reactions set free, by columns of the series.
+double all_energy(const Simulation& sim) {
+  return value_of(sim, "heat.total") + value_of(sim, "conversion.heat") + value_of(sim, "conversion.formation") +
+         value_of(sim, "gas.enthalpy");
+}
+
+TEST(Furnace, EnergyOfAClosedBoxOfBurningGrainsAndGasStays) {
+  for (const bool at_298 : {false, true}) {
+    Scene s = burning_box();
+    std::string text = wood(650);
+    if (at_298) text.insert(text.find("emissivity"), "reference_temperature = 298.15\n");
+    text.replace(text.find("initial = { wood = 0.79 }"), 25, "initial = { wood = 0.5, char = 0.29 }");
+    converts(s, 650, text, 8);
+    s.gas.inlets.clear();
+    s.gas.combustion = !at_298;  // without it the oxygen is left to the char
+    s.gas.fractions = {0.5, 0, 0, 0, 0, 0, 0, 0.5};
+    s.conversion.gone_below = 0;
+    Simulation sim(s, options());
+    sim.run(1);
+    const double before = all_energy(sim), mass = value_of(sim, "conversion.mass");
+    sim.run(4000);
+    EXPECT_LT(value_of(sim, "conversion.mass"), 0.7 * mass) << "wet wood has dried and given off its gas";
+    if (at_298) EXPECT_GT(value_of(sim, "conversion.oxygen_taken"), 1e-3 * mass) << "char has burnt";
+    const double passed = std::fabs(value_of(sim, "gas.enthalpy_from_grains"));
+    figure("closed box of burning grains and gas", (all_energy(sim) - before) / passed,
+           fmt::format("change of all energy / {:.3g} J that the gas got from grains, {}", passed,
+                       at_298 ? "heats at 298.15 K" : "heats at the temperature of reaction, gas burns"));
+    EXPECT_LT(std::fabs(all_energy(sim) - before), 1e-9 * passed);
+    EXPECT_LT(std::fabs(value_of(sim, "gas.enthalpy_residual")), 1e-9 * passed);
+  }
+}
+
+TEST(Furnace, ReleasedGasComesAtTheTemperatureOfItsGrain) {
+  // hot inert grains drive water, then volatiles out of the others; nothing burns, so that no gas is hotter or colder
+  for (const char* reference : {"", "reference_temperature = 298.15\n"}) {
+    Scene s = burning_box();
+    std::string text = wood(650);
+    text.replace(text.find("emissivity = 0.9\n"), 17, std::string("emissivity = 0.9\n") + reference);
+    converts(s, 650, text, 8);
+    s.gas.inlets.erase(s.gas.inlets.begin());
+    s.gas.combustion = false;
+    s.gas.temperature = 600;
+    s.gas.fractions = {0, 0, 0, 0, 0, 0, 0, 1};
+    Simulation sim(s, options());
+    double low = 1e9, high = 0;
+    for (int k = 0; k < 40; ++k) {
+      sim.run(100);
+      low = std::min(low, value_of(sim, "gas.temperature_min"));
+      high = std::max(high, value_of(sim, "gas.temperature_max"));
+    }
+    figure("released gas", low, "lowest temperature of the gas [K]");
+    figure("released gas", high, "highest [K]");
+    EXPECT_GT(low, 320);
+    EXPECT_LT(high, 1300);
+  }
+}
+
+TEST(Furnace, CharAloneBurnsInTheGas) {
+  // matter of one solid, pure carbon
+  std::string text = wood(650);
+  const auto cut = [&](const char* from, const char* to) {
+    const std::size_t at = text.find(from);
+    text.erase(at, text.find(to) - at);
+  };
+  cut("moisture = 0.2", "emissivity");
+  cut("[[solid]]", "[[char_reaction]]");
+  text.insert(text.find("[[char_reaction]]"), "[[solid]]\nname = \"char\"\nkind = \"char\"\n");
+  text.insert(text.find("emissivity"), "initial = { char = 1 }\n");
+  Scene s = burning_box();
+  converts(s, 650, text, 8);
+  s.gas.inlets.clear();
+  s.conversion.gone_below = 0;
+  Simulation sim(s, options());
+  sim.run(1);
+  const double before = all_energy(sim);
+  sim.run(1000);
+  EXPECT_GT(value_of(sim, "conversion.oxygen_taken"), 0);
+  EXPECT_LT(std::fabs(all_energy(sim) - before), 1e-9 * std::fabs(value_of(sim, "gas.enthalpy_from_grains")));
+}
+
 TEST(Furnace, GrainsCannotTakeMoreOxygenThanTheirCellsHold) {
   // hot char in little air without inlets: the oxygen is used up, and not a molecule more
   std::vector<double> T(27, 1400.0);

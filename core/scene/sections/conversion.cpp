@@ -55,7 +55,7 @@ void check_beside_heat(const SceneTable& root, const Scene& scene) {
   for (std::size_t k = 0; k < materials.size(); ++k) {
     if (!has_shells(k) || !materials[k].has("heat")) continue;
     const SceneTable h = materials[k].section("heat");
-    for (const char* name : {"capacity", "conductivity", "emissivity"})
+    for (const char* name : {"capacity", "conductivity", "emissivity", "expansion"})
       if (h.has(name)) h.fail(name, "has no effect: the grain file of the material says it");
   }
   for (std::size_t k = 0; k < sources.size(); ++k)
@@ -77,9 +77,6 @@ void read(const SceneTable& root, Scene& scene) {
     any = any || !g.grain.empty();
     c.grain.push_back(g.grain);
   }
-  // what leaves and what overlaps gain or lose with the radius is not in the balance yet
-  if (c.on && c.resize && scene.output.energies)
-    root.section("output").fail("energies", "does not count changing sizes; allowed beside conversion.resize = false");
   if (c.on && scene.heat.on) check_beside_heat(root, scene);
   if (c.on && !any) root.fail("conversion", "needs a material with a grain file (material.grain)");
 }

@@ -17,7 +17,8 @@ const Keys<General> k_heat(
     {"heat", false, "temperatures of grains and what exchanges heat with them; absent: grains have none"}, k_acts,
     {
         key("temperature", &HeatScene::temperature, "K", k_kelvin,
-            "of the grains of sources that give none of their own. Particle files gain `temperature`, the series "
+            "of the grains of sources that give none of their own. Particle files gain `temperature`, contact files "
+            "`heat_flow` (conducted into particle_a, W), the series "
             "heat.total (enthalpy), what came in by walls, gas, radiation, friction, held grains and sources, "
             "heat.residual, heat.lowest, heat.mean, heat.highest, and the heat flow of each named wall",
             "293.15")
@@ -70,6 +71,13 @@ const Keys<MatterHeat> k_material(
             .absent("(heat.emissivity)")
             .with(k_with),
         key("young", &MatterHeat::young, "Pa", k_positive, "real modulus", "7e10").absent("(heat.young)").with(k_with),
+        key("expansion", &MatterHeat::expansion, "1/K", {0, 1e-2},
+            "rise of the radius per rise of the temperature: radius = a (1 + expansion T), where a source gives the "
+            "radius at its temperature; it goes in a straight line to that of the last heat step; mass stays",
+            "1e-5")
+            .absent("(grains keep their radii)")
+            .fixed("the radii have begun with it")
+            .with(k_with),
         key("latent_heat", &MatterHeat::latent_heat, "J/kg", k_positive,
             "of melting; needs solidus and liquidus. Particle files gain `molten` (share of the grain), the series "
             "heat.molten. A molten grain stays the sphere that it was: it neither spreads nor sticks",
