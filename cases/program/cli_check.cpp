@@ -157,7 +157,7 @@ int check(const Options& options) {
     put("{}\n", j.end_object().text());
     return 0;
   }
-  put("{}{}{}\n", scene.file, scene.title.empty() ? "" : ": ", scene.title);
+  put("{}{}{}\n", shown_path(scene.file), scene.title.empty() ? "" : ": ", scene.title);
   put("  particles   {} at step 0", grouped(present));
   if (to_come > 0) put(", at most {} to come", grouped(to_come));
   put("\n  duration    {} steps of {:.6g} s = {:.6g} s\n", grouped(scene.steps), scene.dt,
@@ -177,7 +177,7 @@ int check(const Options& options) {
   for (const std::string& note : later) tell("talus: warning: {}\n", note);
   if (!advice.cost.failure.empty()) tell("talus: warning: the run would end early: {}\n", advice.cost.failure);
   if (!step.warning.empty()) tell("talus: warning: {}\n", step.warning);
-  put("{}: {}\n", scene.file, verdict);
+  put("{}: {}\n", shown_path(scene.file), verdict);
   return 0;
 }
 

@@ -160,8 +160,8 @@ int compare(const Options& options) {
     return equal ? 0 : 1;
   }
   for (const State* s : {&a, &b}) {
-    put("{}  step {}, {} particles, state hash {:016x}\n", s->path, s->frame.step, grouped(s->frame.id.size()),
-        s->hash);
+    put("{}  step {}, {} particles, state hash {:016x}\n", shown_path(s->path), s->frame.step,
+        grouped(s->frame.id.size()), s->hash);
   }
   if (equal) {
     put("equal, bit for bit{}\n", growth ? fmt::format(" (and so are {} common frames)", growth->points.size()) : "");

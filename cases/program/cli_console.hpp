@@ -5,8 +5,11 @@
 
 #include <fmt/format.h>
 
+#include <string>
 #include <string_view>
 #include <utility>
+
+#include "core/base/text.hpp"
 
 namespace talus::cli {
 
@@ -25,6 +28,9 @@ template <class... T>
 void tell(fmt::format_string<T...> form, T&&... values) {
   tell_text(fmt::format(form, std::forward<T>(values)...));
 }
+
+/// A path in a message: whole, in one line, whatever its name holds.
+inline std::string shown_path(std::string_view path) { return shown(path, 1 << 16); }
 
 /// Opens descriptors 0 to 2 where they are closed, on /dev/null: otherwise the next files that the program opens would
 /// get these numbers, and messages would be written into them.

@@ -16,11 +16,11 @@
 #include "core/frame/quantities.hpp"
 #include "core/io/atomic_file.hpp"
 #include "core/io/particle_export.hpp"
-#include "core/tables/particle_file.hpp"
 #include "core/io/particle_frames.hpp"
 #include "core/io/text_frames.hpp"
 #include "core/io/vtkhdf.hpp"
 #include "core/io/vtp.hpp"
+#include "core/tables/particle_file.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus::cli {
@@ -257,7 +257,7 @@ int convert(const Options& options) {
   }
   if (const std::string lost = left_out(in.frame(first), ending.format); !lost.empty() && !options.quiet)
     tell("talus: note: {}: this format has no place for {}\n", to, lost);
-  if (!options.quiet) put("{}: {} frame{}\n", to, last - first + 1, last == first ? "" : "s");
+  if (!options.quiet) put("{}: {} frame{}\n", shown_path(to), last - first + 1, last == first ? "" : "s");
   return 0;
 }
 

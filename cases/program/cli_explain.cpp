@@ -74,7 +74,7 @@ int explain(const Options& options) {
     put("{}\n", as_json(scene, plan, simulation, step));
     return 0;
   }
-  put("{}{}{}\n", scene.file, scene.title.empty() ? "" : ": ", scene.title);
+  put("{}{}{}\n", shown_path(scene.file), scene.title.empty() ? "" : ": ", scene.title);
   put("  particles at step 0   {}\n", grouped(simulation.particles()));
   put("  contact law           {}\n", plan.law);
   put("  list policy           {}, K = {}; {}\n", plan.policy,

@@ -67,6 +67,7 @@ SceneBefore scene_before(const CheckpointReader& checkpoint, const std::string& 
     const std::string text(bytes.begin(), bytes.end());
     try {
       before.record = read_scene_text(text, checkpoint.path(), ".", {});
+      before.contents = contents_in(text);
     } catch (const Error& e) {
       tell("talus: warning: the scene in the checkpoint cannot be read ({})\n", e.what());
     }
@@ -132,7 +133,7 @@ Start find_start(const Options& options) {
   }
   start.changes = scene_changes(before, start.scene, Simulation::step_of(*start.checkpoint));
   refuse(start);
-  start.walls = wall_numbers((before.record ? before.record : before.folder)->scene, start.scene.scene);
+  start.walls = wall_numbers((before.record ? before.record : before.folder)->scene, start.scene.scene, start.changes);
   return start;
 }
 

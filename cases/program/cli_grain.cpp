@@ -25,7 +25,7 @@ int grain(const Options& options) {
   if (std::filesystem::exists(out) && (!options.overwrite || !std::filesystem::is_regular_file(out)))
     throw Error(ErrorCode::usage, "is there already", options.out, "--overwrite replaces a file");
   write_file_atomic(options.out, conversion::grain_table(job));
-  if (!options.quiet) put("{}: {} steps of {:g} s\n", options.out, job.steps, job.step);
+  if (!options.quiet) put("{}: {} steps of {:g} s\n", shown_path(options.out), job.steps, job.step);
   return 0;
 }
 

@@ -59,7 +59,7 @@ void folder_info(const std::string& path, const Options& options) {
   Json j;
   j.begin_object().add("folder", path).add("title", scene.title).add("has_summary", ended);
   if (!options.json) {
-    put("{}: run folder{}{}\n", path, scene.title.empty() ? "" : ", ", scene.title);
+    put("{}: run folder{}{}\n", shown_path(path), scene.title.empty() ? "" : ", ", scene.title);
     if (!running.empty()) put("  a run is writing here ({})\n", running);
     if (!ended && running.empty()) put("  no summary.json: the run was killed, or has not begun\n");
   }
@@ -69,7 +69,7 @@ void folder_info(const std::string& path, const Options& options) {
     const auto size = static_cast<std::int64_t>(entry.file_size());
     j.add(entry.path().filename().string(), size);
     if (!options.json) {
-      put("  {:<32} {:>12}\n", entry.path().filename().string(), human_bytes(static_cast<double>(size)));
+      put("  {:<32} {:>12}\n", shown_path(entry.path().filename().string()), human_bytes(static_cast<double>(size)));
     }
   }
   j.end_object().begin_array("checkpoint_steps");

@@ -41,8 +41,9 @@ class Terminal final : public RunWatcher {
 /// Messages of a run that failed, and its exit code.
 int tell_failure(const RunOutcome& outcome, const RunFolder& folder) {
   tell("talus: error: {}\n", outcome.failure);
-  if (!outcome.checkpoint.empty()) tell("talus: the last state is in {}\n", outcome.checkpoint);
-  if (outcome.code == ErrorCode::physics) tell("talus: what was written until then is in {}/\n", folder.dir());
+  if (!outcome.checkpoint.empty()) tell("talus: the last state is in {}\n", shown_path(outcome.checkpoint));
+  if (outcome.code == ErrorCode::physics)
+    tell("talus: what was written until then is in {}/\n", shown_path(folder.dir()));
   return static_cast<int>(outcome.code);
 }
 
@@ -52,9 +53,9 @@ void print_closing(const Options& options, const std::string& folder, const Summ
       s.simulated_time, duration_text(s.wall_s));
   put("{} particles, {:.2f} M particle-steps/s, state hash {:016x}\n", grouped(s.particles),
       s.particle_steps_per_s * 1e-6, s.state_hash);
-  put("Results are in {}/\n", folder);
+  put("Results are in {}/\n", shown_path(folder));
   const auto line = [](const char* what, const std::string& path) {
-    if (!path.empty()) put("  {:<12} {}\n", what, path);
+    if (!path.empty()) put("  {:<12} {}\n", what, shown_path(path));
   };
   line("summary", folder + "/summary.json");
   line("time series", outputs.csv_file());
@@ -62,11 +63,12 @@ void print_closing(const Options& options, const std::string& folder, const Summ
   if (!outputs.paraview_file().empty()) {
     line("particles", outputs.paraview_file());
     const bool hdf = outputs.paraview_file().ends_with(".vtkhdf");
-    put("Look at them:   paraview {}{}\n", outputs.paraview_file(),
+    put("Look at them:   paraview {}{}\n", shown_path(outputs.paraview_file()),
         hdf ? "    (ParaView 5.12 or newer; output.vtp = true for older ones)" : "");
   }
-  put("Report:         {} report {}    (a page with plots)\n", options.program, folder);
-  if (outcome.signal != 0) put("Continue:       {} run {} --resume {}\n", options.program, options.scene, folder);
+  put("Report:         {} report {}    (a page with plots)\n", options.program, shown_path(folder));
+  if (outcome.signal != 0)
+    put("Continue:       {} run {} --resume {}\n", options.program, shown_path(options.scene), shown_path(folder));
 }
 /// Table of the nodes of the step and where the threads' time went, for the timed steps (after --warm).
 void print_profile(const Profile& p, double particle_steps) {

@@ -31,7 +31,7 @@ std::string table_text(const shapes::MeshClump& c, const std::string& mesh) {
 }
 
 void report(const shapes::MeshClump& c, const std::string& to, int asked) {
-  put("{}: {} spheres{}, radii {:.4g} to {:.4g} m\n", to, c.spheres.size(),
+  put("{}: {} spheres{}, radii {:.4g} to {:.4g} m\n", shown_path(to), c.spheres.size(),
       static_cast<int>(c.spheres.size()) < asked ? " (they cover the grid: a finer --grid takes more)" : "",
       std::min_element(c.spheres.begin(), c.spheres.end(), [](auto& a, auto& b) { return a.r < b.r; })->r,
       std::max_element(c.spheres.begin(), c.spheres.end(), [](auto& a, auto& b) { return a.r < b.r; })->r);

@@ -29,13 +29,25 @@ const std::map<std::string, Isa> k_isa_names{{"auto", Isa::automatic},
                                              {"avx2", Isa::avx2},
                                              {"avx512", Isa::avx512}};
 
+/// A number in [low, high], which NaN is not; or `word`.
+CLI::Validator number_in(double low, double high, const std::string& word = {}) {
+  const std::string range = fmt::format("a number in [{:g}, {:g}]{}{}", low, high, word.empty() ? "" : " or ", word);
+  return {[=](std::string& text) {
+            double v = 0;
+            const bool good =
+                (!word.empty() && text == word) || (CLI::detail::lexical_cast(text, v) && v >= low && v <= high);
+            return good ? std::string() : fmt::format("{}: must be {}", shown(text), range);
+          },
+          range};
+}
+
 void add_scene_options(CLI::App& app, Options& o) {
   app.add_option("scene", o.scene, "scene file (TOML); `talus help scene` lists its keys")->required();
   app.add_option("--set", o.set, "section.key=value: replaces any key of the scene (repeatable)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   app.add_option("--verlet-k", o.verlet_k, "K of the skin K|v|dt, or auto; never changes the trajectory")
-      ->check(CLI::NonNegativeNumber | CLI::IsMember({"auto"}));
+      ->check(number_in(0, 1e9, "auto"));
   app.add_option("--steps", o.steps, "last step of the run")->check(CLI::NonNegativeNumber);
 }
 
@@ -76,7 +88,7 @@ void add_shape_options(CLI::App& app, cli::ShapeOptions& o) {
   app.add_option("--spheres", o.spheres, "number of spheres")->required()->check(CLI::Range(1, 10000));
   app.add_option("--grid", o.grid, "candidates along the longest side of the mesh (default 40)")
       ->check(CLI::Range(4, 400));
-  app.add_option("--scale", o.scale, "metres per unit of the file (default 1)")->check(CLI::Range(1e-12, 1e12));
+  app.add_option("--scale", o.scale, "metres per unit of the file (default 1)")->check(number_in(1e-12, 1e12));
   app.add_flag("--grow", o.grow, "grow all spheres by one length until they have the volume of the mesh");
   app.add_option("--out", o.out, "table of x, y, z, radius (default MESH-NAME.csv)")->type_name("FILE");
   app.add_flag("--overwrite", o.overwrite, "replace the table");
@@ -197,7 +209,7 @@ int main(int argc, char** argv) {
   add_scene_options(*sub, o);
   add_engine_options(*sub, o);
   sub->add_option("--calibrate", o.calibrate, "seconds of first steps to measure their cost; 0 = none (default 2)")
-      ->check(CLI::Range(0.0, 60.0));
+      ->check(number_in(0, 60));
   sub->add_flag("--json", o.json, "machine-readable");
 
   sub = add("explain", "what the step of a scene consists of, what is left out and why", cli::explain);

@@ -31,8 +31,10 @@ std::vector<Opening> openings_of(const Grid& g, const GasSettings& s) {
       const OuterFace& f = g.outer[k];
       if (f.axis != axis_of(i.side) || f.high != is_high(i.side)) continue;
       bool inside = true;
-      for (int q = 0; q < 3; ++q)
-        if (q != f.axis) inside = inside && f.middle[q] >= i.lower[q] && f.middle[q] <= i.upper[q];
+      for (int q = 0; q < 3; ++q) {
+        const double reach = q == f.axis ? 0.5 * g.h[q] : 0;  // a rectangle that is given lies in its side
+        inside = inside && f.middle[q] >= i.lower[q] - reach && f.middle[q] <= i.upper[q] + reach;
+      }
       if (!inside) continue;
       ++faces;
       o.kind = i.kind == GasInlet::Kind::flow ? Opening::Kind::flow : Opening::Kind::pressure;

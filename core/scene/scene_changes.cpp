@@ -140,8 +140,28 @@ std::string scene_record(const SceneText& scene) {
     text += fmt::format("{} = {}\n", v.name, v.value);
     if (v.section == "time") text += "steps = 0\n";
   }
-  return text;
+  return text + contents_text(contents_of(scene.scene));
 }
+
+namespace {
+
+/// Keys that name the same file as before, which holds something else now.
+void add_changed_files(const std::vector<FileContent>& before, const SceneText& after, const Judge& judge,
+                       const ByPath& old_values, std::vector<SceneChange>& changes) {
+  if (before.empty()) return;
+  for (const FileContent& now : contents_of(after.scene)) {
+    const auto same_path = [&](const auto& x) { return x.path == now.path; };
+    const auto old = std::find_if(before.begin(), before.end(), same_path);
+    const auto value = old_values.find(now.path);
+    if (old == before.end() || old->sum == now.sum || value == old_values.end()) continue;
+    if (std::any_of(changes.begin(), changes.end(), same_path)) continue;  // another file
+    const ResumeRule rule = judge.rule(value->second);
+    changes.push_back(
+        {now.path, value->second.value, "the same file with another content", rule.rule, std::string(rule.why), true});
+  }
+}
+
+}  // namespace
 
 std::vector<SceneChange> scene_changes(const SceneBefore& before, const SceneText& after, std::int64_t step) {
   std::vector<SceneChange> changes;
@@ -162,6 +182,7 @@ std::vector<SceneChange> scene_changes(const SceneBefore& before, const SceneTex
     changes.push_back({path, a != old_values.end() ? a->second.value : fallback,
                        b != new_values.end() ? b->second.value : fallback, rule.rule, std::string(rule.why)});
   }
+  add_changed_files(before.contents, after, judge, old_values, changes);
   if (before.folder && before.folder->scene.steps != after.scene.steps)
     changes.push_back({"time.steps", std::to_string(before.folder->scene.steps), std::to_string(after.scene.steps),
                        AtResume::free, ""});
@@ -171,12 +192,15 @@ std::vector<SceneChange> scene_changes(const SceneBefore& before, const SceneTex
   return changes;
 }
 
-std::vector<int> wall_numbers(const Scene& before, const Scene& after) {
+std::vector<int> wall_numbers(const Scene& before, const Scene& after, const std::vector<SceneChange>& changes) {
   std::vector<int> numbers;
   bool same = before.walls.size() == after.walls.size();
   for (std::size_t a = 0; a < before.walls.size(); ++a) {
     int found = -1;
-    for (std::size_t b = 0; b < after.walls.size(); ++b)
+    const std::string file = fmt::format("wall.{}.file", a);
+    const bool other =
+        std::any_of(changes.begin(), changes.end(), [&](const SceneChange& c) { return c.content && c.path == file; });
+    for (std::size_t b = 0; !other && b < after.walls.size(); ++b)
       if (after.walls[b].name == before.walls[a].name && same_shape(after.walls[b], before.walls[a]))
         found = static_cast<int>(b);
     same = same && found == static_cast<int>(a);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/scene/scene.hpp"
+#include "core/scene/scene_contents.hpp"
 #include "core/scene/scene_keys.hpp"
 #include "core/scene/scene_table.hpp"
 
@@ -27,26 +28,30 @@ struct SceneText {
 SceneText read_scene_text(std::string_view text, const std::string& name, const std::string& directory,
                           const std::vector<std::string>& overrides);
 
-/// The values that a trajectory depends on, as the text of a scene: what a checkpoint carries.
+/// The values that a trajectory depends on, as the text of a scene, and sums of the files that it names: what a
+/// checkpoint carries.
 std::string scene_record(const SceneText& scene);
 
 struct SceneChange {
   std::string path, before, after;  ///< values as TOML; what is not given: "(none)" or the default
   AtResume rule = AtResume::physics;
   std::string why;
+  bool content = false;  ///< the value is the same, but the file that it names holds something else
 };
 
 /// The scene that a checkpoint belongs to, from what is at hand: the record in it, the scene in its folder, or both.
 struct SceneBefore {
   std::optional<SceneText> record, folder;
+  std::vector<FileContent> contents{};  ///< of the record
 };
 
 /// Every key whose value differs for a run that continues at `step`; the refused ones first.
 std::vector<SceneChange> scene_changes(const SceneBefore& before, const SceneText& after, std::int64_t step);
 
 /// For every wall of the scene before (its own, then those of the domain's sides) the number that it has now; -1 where
-/// it is gone or has another shape, so that its contacts begin anew. Empty if the walls are the same.
-std::vector<int> wall_numbers(const Scene& before, const Scene& after);
+/// it is gone or has another shape (another content of its mesh is among the changes), so that its contacts begin anew.
+/// Empty if the walls are the same.
+std::vector<int> wall_numbers(const Scene& before, const Scene& after, const std::vector<SceneChange>& changes = {});
 
 /// "a.b: 1 -> 2"; long values are shortened.
 std::string change_text(const SceneChange& change);

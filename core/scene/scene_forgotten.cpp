@@ -19,6 +19,14 @@ bool gravity_by_event(const Scene& scene) {
                      [](const Event& e) { return e.action == Event::Action::gravity; });
 }
 
+/// The work of pressure is left out of the gas: right where it can leave, not in a vessel that is shut and heated.
+bool bomb(const Scene& s) {
+  const bool heated = s.heat.on || s.conversion.on || s.gas.combustion;
+  return s.gas.on && heated && std::none_of(s.gas.inlets.begin(), s.gas.inlets.end(), [](const GasInlet& i) {
+           return i.kind == GasInlet::Kind::pressure;
+         });
+}
+
 }  // namespace
 
 std::vector<std::string> forgotten_keys(const SceneText& text) {
@@ -40,6 +48,10 @@ std::vector<std::string> forgotten_keys(const SceneText& text) {
         "no restitution is given, so impacts lose nothing (contact.restitution = 0.8; 1, or contact.normal_damping = "
         "0, "
         "says that it is meant)");
+  if (bomb(scene))
+    notes.push_back(
+        "no side of the gas is open to a pressure, and it is heated: its pressure rises, but its temperature as if it "
+        "could expand, which is too little in a closed vessel (gas.inlet.kind = \"pressure\" opens a side)");
   if (none_of({{"output", "particles_every"}, {"output", "csv_every"}}))
     notes.push_back(
         "no output is asked for, so only the summary and the last state are kept (output.particles_every, "

@@ -158,6 +158,12 @@ TEST(Flow, SidesThatNoInletCanCoverAreRefused) {
   EXPECT_THROW(Gas(s, {}, {}), Error);
   s = column(0.1, 10, 0.1);
   EXPECT_THROW(Gas(s, {false, false, true}, {}), Error) << "a periodic side";
+  s = column(0.1, 10, 0.1);
+  s.inlets[0].lower.z = s.lower.z;
+  s.inlets[0].upper.z = s.lower.z;
+  EXPECT_NO_THROW(Gas(s, {}, {})) << "a rectangle in its side";
+  s.inlets[0].lower.z = s.inlets[0].upper.z = 0.5 * (s.lower.z + s.upper.z);
+  EXPECT_THROW(Gas(s, {}, {}), Error) << "a rectangle that lies elsewhere";
 }
 
 TEST(Flow, FluidisationBeginsWhereTheDropCarriesTheBed) {

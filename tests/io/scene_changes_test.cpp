@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "core/scene/scene_keys.hpp"
+#include "tests/io/output_frames.hpp"
 
 namespace talus {
 namespace {
@@ -125,6 +128,39 @@ TEST(SceneChanges, WallsAreKnownByNameAndShape) {
   EXPECT_EQ(wall_numbers(before, after), (std::vector<int>{-1, 1, 2, 3, 4, 5, 6, 7}));
   after.walls.erase(after.walls.begin());
   EXPECT_EQ(wall_numbers(before, after), (std::vector<int>{-1, 0, 1, 2, 3, 4, 5, 6}));
+}
+
+TEST(SceneChanges, FilesThatHoldSomethingElseThanBeforeAreSaidOrRefused) {
+  test::TemporaryFolder folder;
+  const auto write = [&](const char* name, const std::string& text) { std::ofstream(folder / name) << text; };
+  const std::string rod = "x,y,z,radius\n0,0,-0.01,0.01\n0,0,0.01,0.01\n";
+  write("rod.csv", rod);
+  write("wall.stl", "solid w");
+  const std::string text = std::string(k_scene) +
+                           "[[wall]]\nname = \"mesh\"\nshape = \"mesh\"\nfile = \"wall.stl\"\n"
+                           "[[shape]]\nname = \"rod\"\nfile = \"rod.csv\"\n";
+  const auto now = [&] { return read_scene_text(text, "test", folder.path(), {}); };
+  const std::string record = scene_record(now());
+  const SceneBefore before{read_scene_text(record, "record", ".", {}), {}, contents_in(record)};
+  EXPECT_EQ(before.contents.size(), 2u);
+  EXPECT_TRUE(scene_changes(before, now(), 10).empty());
+  EXPECT_TRUE(wall_numbers(before.record->scene, now().scene, {}).empty());
+
+  write("rod.csv", rod + "0,0,0,0.01\n");
+  write("wall.stl", "solid v");
+  const auto changes = scene_changes(before, now(), 10);
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[0].path, "shape.0.file");
+  EXPECT_EQ(changes[0].rule, AtResume::fixed);
+  EXPECT_EQ(changes[1].path, "wall.2.file");
+  EXPECT_EQ(changes[1].rule, AtResume::physics);
+  EXPECT_NE(change_text(changes[1]).find("another content"), std::string::npos);
+  EXPECT_EQ(wall_numbers(before.record->scene, now().scene, changes), (std::vector<int>{0, 1, -1, 3, 4, 5, 6, 7, 8}))
+      << "contacts with another mesh begin anew";
+
+  write("rod.csv", rod);
+  write("wall.stl", "solid w");
+  EXPECT_TRUE(scene_changes(before, now(), 10).empty());
 }
 
 }  // namespace
