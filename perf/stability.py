@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The forty stiff and extreme scenarios as a table: scenario, what was asserted, measured figure, verdict.
+"""The forty-six stiff and extreme scenarios as a table: scenario, what was asserted, measured figure, verdict.
 
     python3 perf/stability.py                          table of build/tests/test_stability
     python3 perf/stability.py --build DIR --json F     another build folder; the rows also as JSON
@@ -19,7 +19,7 @@ import sys
 import tempfile
 import textwrap
 
-SCENARIOS = 40
+SCENARIOS = 46
 
 
 def words(name):

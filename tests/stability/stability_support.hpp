@@ -1,6 +1,6 @@
-// What the forty scenarios of stiff and extreme cases share: the row of the table that perf/stability.py prints, and
-// short ways to run a scene into a refusal. Who calls it: tests/stability. Invariant: a scenario that the code does not
-// have yet is skipped with its reason, never passed.
+// What the forty-six scenarios of stiff and extreme cases share: the row of the table that perf/stability.py prints,
+// and short ways to run a scene into a refusal. Who calls it: tests/stability. Invariant: a scenario that the code does
+// not have yet is skipped with its reason, never passed.
 #pragma once
 
 #include <gtest/gtest.h>
