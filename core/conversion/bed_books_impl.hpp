@@ -54,12 +54,15 @@ void Step<S>::burn(int c, int s, const double* gone, const double* per) {
     const B x = ld(gone, i) * ld(per, i) * ld(part(w_.burning, c), i);
     if (!S::any(S::gt(x, S::set(0)))) continue;
     const CharGas<S> y = yield_of<S>(r, ld(T_, i));
-    add(k_out_standard, x * (y.heat + S::set(r.to_cells)));
+    const B carbon = S::set(m.char_carbon) * x;
+    add(k_out_standard, carbon * y.heat + S::set(r.to_cells) * x);
     st(done, i, ld(done, i) + x);
-    add(k_out_oxygen + r.oxidant, x * y.oxidant);
-    if (m.carbon_monoxide >= 0) add(k_out_released + m.carbon_monoxide, x * y.carbon_monoxide);
-    if (m.carbon_dioxide >= 0 && r.oxidant == 0) add(k_out_released + m.carbon_dioxide, x * y.carbon_dioxide);
-    if (m.hydrogen >= 0 && r.oxidant == 2) add(k_out_released + m.hydrogen, x * y.hydrogen);
+    add(k_out_oxygen + r.oxidant, carbon * y.oxidant);
+    if (m.carbon_monoxide >= 0) add(k_out_released + m.carbon_monoxide, carbon * y.carbon_monoxide);
+    if (m.carbon_dioxide >= 0 && r.oxidant == 0) add(k_out_released + m.carbon_dioxide, carbon * y.carbon_dioxide);
+    if (m.hydrogen >= 0 && r.oxidant == 2) add(k_out_released + m.hydrogen, carbon * y.hydrogen);
+    if (m.char_steam != 0) add(k_out_released + m.vapour, S::set(m.char_steam) * x);
+    if (m.char_hydrogen != 0) add(k_out_released + m.hydrogen, S::set(m.char_hydrogen) * x);
     for (int e = 0; e < k_bed_elements; ++e)
       if (m.composition[s][e] != 0) add(k_out_gone + e, S::set(m.composition[s][e]) * x);
   }

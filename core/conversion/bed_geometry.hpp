@@ -172,7 +172,7 @@ template <class S>
 struct CharGas {
   typename S::B oxidant, carbon_monoxide, carbon_dioxide, hydrogen, heat;
 };
-/// As char_yield of around.hpp.
+/// As char_yield of around.hpp, per kg of carbon.
 template <class S>
 TALUS_SHAPES_INLINE CharGas<S> yield_of(const BedChar& r, typename S::B T) {
   using B = typename S::B;

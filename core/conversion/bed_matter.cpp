@@ -178,6 +178,9 @@ struct BedBuilder {
     b.boiling = m.drying.temperature;
     b.evaporation = m.drying.heat;
     b.vapour_to_cells = m.drying.to_cells;
+    b.char_carbon = m.char_carbon;
+    b.char_steam = m.char_steam;
+    b.char_hydrogen = m.char_hydrogen;
     b.shrink[0] = m.shrinkage.drying;
     b.shrink[1] = m.shrinkage.devolatilisation;
     b.shrink[2] = m.shrinkage.burn_off;

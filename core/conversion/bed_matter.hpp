@@ -77,6 +77,7 @@ struct BedMatter {
   int present[k_bed_kinds];                                                    ///< some solid is of this kind
   double sensible0[k_bed_kinds], gas_sensible0;  ///< integrals at the reference temperature; 0 without
   double least_conductivity;
+  double char_carbon, char_steam, char_hydrogen;  ///< as in Matter
   int by_mass, convects, blows, carries;          ///< carries: the flow of gas through the shells counts
   double emissivity[3], porosity, pores;          ///< pores: porosity times tortuosity factor
   double fuel_density, moisture_density;          ///< of the initial grain [kg/m3]

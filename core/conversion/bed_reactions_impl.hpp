@@ -101,7 +101,8 @@ void Step<S>::predict(int s) {
       st(w_.slope, i, ld(w_.slope, i) + least<S>(share * q * rises, zero));
     }
     if (char_burns)
-      for (int k2 = 0; k2 < m.chars; ++k2) q = q + ld(part(w_.burning, k2), i) * yield_of<S>(m.burning[k2], t).heat;
+      for (int k2 = 0; k2 < m.chars; ++k2)
+        q = q + ld(part(w_.burning, k2), i) * (S::set(m.char_carbon) * yield_of<S>(m.burning[k2], t).heat);
     st(gone, i, lost), st(per, i, p), st(grow, i, rises), st(released, i, q);
     st(w_.heat, i, ld(w_.heat, i) + share * q);
   }

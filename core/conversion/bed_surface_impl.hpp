@@ -148,7 +148,7 @@ void Step<S>::fronts() {
         if (S::any(S::gt(front * oxidant[r.oxidant], zero))) {
           const B kinetic = one / most<S>(arrhenius<S>(r.A, r.n, r.E, t, one / t) * surface, tiny);
           const B flow = front * oxidant[r.oxidant] / (way + ash + kinetic);
-          K = steady<S>(flow / yield_of<S>(r, t).oxidant * dt_ / most<S>(coal, tiny));
+          K = steady<S>(flow / (S::set(m.char_carbon) * yield_of<S>(r, t).oxidant) * dt_ / most<S>(coal, tiny));
         }
         st(part(w_.burning, c), i, K);
       }

@@ -175,6 +175,39 @@ void set_heats(Matter& m, Reaction& r, const GasFractions& y) {
   for (const Yield& s : r.solids) r.to_cells += s.mass * sensible(m, m.solids[s.species].kind, T);
 }
 
+/// A reaction that makes char alone of its reactant, as in schemes of parallel reactions: char then has the elements of
+/// the reactant, since carbon alone would have to come from the gas of the others.
+void complete_char(Matter& m) {
+  for (const Reaction& r : m.reactions) {
+    if (r.of_gas || r.gases.size() + r.solids.size() != 1 || r.solids.size() != 1) continue;
+    if (m.solids[r.solids[0].species].kind != Kind::char_ || m.solids[r.reactant].kind != Kind::fuel) continue;
+    const Composition c = *m.solids[r.reactant].composition;
+    for (Solid& s : m.solids)
+      if (s.kind == Kind::char_) s.composition = c;
+    return;
+  }
+}
+
+/// Char that burns: its carbon burns, its hydrogen and oxygen leave as steam and hydrogen.
+void settle_char(Matter& m) {
+  if (m.char_reactions.empty()) return;
+  const Solid* first = nullptr;
+  for (const Solid& s : m.solids) {
+    if (s.kind != Kind::char_) continue;
+    if (first == nullptr) first = &s;
+    const Composition &c = *s.composition, &d = *first->composition;
+    const double steam = c[oxygen] / share(H2O, 2), rest = c[hydrogen] - steam * share(H2O, 1);
+    if (!(c[carbon] > 0) || c[ash_element] != 0 || c[water] != 0 || c != d || rest < -k_rounding)
+      throw Error(ErrorCode::scene,
+                  fmt::format("'{}' burns, and is not carbon, hydrogen and oxygen of its steam alone", s.name),
+                  "char_reaction",
+                  "char of one composition, { C = 1 } or with at most 7.9 kg of O per kg of H, beside [gas]");
+    m.char_carbon = c[carbon];
+    m.char_steam = steam;
+    m.char_hydrogen = std::max(rest, 0.0);
+  }
+}
+
 }  // namespace
 
 double formation_enthalpy(int species) { return gas::enthalpy(species, k_standard); }
@@ -185,15 +218,14 @@ double formation_of(const std::string& species) {
 
 Matter with_cell_gases(const Matter& matter) {
   Matter m = matter;
+  complete_char(m);
   for (const Reaction& r : m.reactions)
     if (r.of_gas)
       throw Error(ErrorCode::scene, fmt::format("'{}' is a reaction of gas within the grain", r.name), "reaction",
                   "none of them beside [gas], where tar burns in the cells");
-  if (!m.char_reactions.empty())
-    for (const Solid& s : m.solids)
-      if (s.kind == Kind::char_ && !((*s.composition)[carbon] == 1))
-        throw Error(ErrorCode::scene, fmt::format("'{}' burns as carbon but is none", s.name), "char_reaction",
-                    "char of composition { C = 1 } beside [gas]");
+  settle_char(m);
+  std::vector<GasFractions> gases;
+  for (const Reaction& r : m.reactions) gases.push_back(gases_of(m, r));
   m.gases.clear();
   for (int k = 0; k < k_gas_species; ++k) {
     Composition c{};
@@ -201,7 +233,7 @@ Matter with_cell_gases(const Matter& matter) {
     m.gases.push_back({std::string(gas::species(k).name), c});
   }
   for (std::size_t r = 0; r < m.reactions.size(); ++r) {
-    const GasFractions y = gases_of(matter, matter.reactions[r]);
+    const GasFractions y = gases[r];
     m.reactions[r].gases.clear();
     for (std::size_t k = 0; k < y.size(); ++k)
       if (y[k] > 0) m.reactions[r].gases.push_back({k, y[k]});
@@ -211,10 +243,10 @@ Matter with_cell_gases(const Matter& matter) {
   GasFractions steam{};
   steam[H2O] = 1;
   m.drying.to_cells = above_standard(steam, m.drying.temperature) - sensible(m, Kind::moisture, m.drying.temperature);
-  if (m.vapour) m.vapour = H2O;
+  if (m.vapour || m.char_steam > 0) m.vapour = H2O;
   if (m.carbon_monoxide) m.carbon_monoxide = CO;
   if (m.carbon_dioxide) m.carbon_dioxide = CO2;
-  if (m.hydrogen) m.hydrogen = H2;
+  if (m.hydrogen || m.char_hydrogen > 0) m.hydrogen = H2;
   return m;
 }
 

@@ -11,7 +11,10 @@ namespace talus::conversion {
 /// with these names, `vapour` too, stay what they are as far as the elements allow; all others are taken apart into
 /// mixtures of these with their elements: tar, CO and H2O of what is called tar, else CO, CO2 and CH4, or what else
 /// there is with no negative share. Error{scene}: a reaction of gas within the grain; one that would have to make a
-/// negative mass of every mixture; ash that leaves; char that burns and is not carbon.
+/// negative mass of every mixture; ash that leaves; char that burns and holds more oxygen than
+/// steam takes. Char that some reaction makes alone of a fuel, as in schemes of parallel reactions, gets the elements
+/// of that fuel: carbon alone would have to come from the gas of the other reactions. Its carbon burns, the rest leaves
+/// as steam and hydrogen with it.
 ///
 /// Energy: what leaves a grain as gas carries what the grain has lost with it. A reaction of extent x [kg] then frees
 /// x times a constant of its own, of grain and gas together, whatever the temperatures: their sum less those constants

@@ -118,6 +118,9 @@ struct Matter {
   double porosity = 0.6;           ///< for the residence time of gas in secondary reactions and diffusion [-]
   double tortuosity_factor = 0.5;  ///< effective diffusivity of pores over that of gas, beside porosity [-]
 
+  /// Of a kg of char that burns: its carbon, and what its other elements leave as; beside gas cells (cell_gases.hpp).
+  double char_carbon = 1, char_steam = 0, char_hydrogen = 0;
+
   /// Gases of drying and of char reactions; check_matter adds those that are needed.
   std::optional<std::size_t> vapour, carbon_monoxide, carbon_dioxide, hydrogen;
 

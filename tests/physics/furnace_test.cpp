@@ -530,6 +530,34 @@ TEST(Furnace, CharAloneBurnsInTheGas) {
   EXPECT_LT(std::fabs(all_energy(sim) - before), 1e-9 * std::fabs(value_of(sim, "gas.enthalpy_from_grains")));
 }
 
+TEST(Furnace, SchemesOfParallelReactionsKeepElementsAndEnergyBesideGas) {
+  // wood becomes gas, tar or char, each alone: char then holds hydrogen and oxygen, which leave as it burns
+  std::string text = wood(650);
+  const std::size_t from = text.find("[[solid]]");
+  text.erase(from, text.find("[drying]") - from);
+  text.replace(text.find("initial = { wood = 0.79 }"), 25, "");
+  Scene s = burning_box();
+  converts(s, 650, "scheme = \"thurner_mann\"\n" + text, 8);
+  s.gas.inlets.clear();
+  s.gas.combustion = false;
+  s.gas.fractions = {0.5, 0, 0, 0, 0, 0, 0, 0.5};
+  s.conversion.gone_below = 0;
+  Simulation sim(s, options());
+  sim.run(1);
+  const double before = all_energy(sim), mass = value_of(sim, "conversion.mass");
+  sim.run(4000);
+  EXPECT_LT(value_of(sim, "conversion.mass"), 0.7 * mass);
+  EXPECT_GT(value_of(sim, "conversion.char"), 0.02 * mass);
+  EXPECT_GT(value_of(sim, "conversion.oxygen_taken"), 1e-3 * mass) << "char has burnt";
+  EXPECT_LT(std::fabs(all_energy(sim) - before), 1e-9 * std::fabs(value_of(sim, "gas.enthalpy_from_grains")));
+  EXPECT_LT(value_of(sim, "gas.element_residual"), 1e-12 * mass);
+  const std::array<double, 3> e = elements_of(given(sim));
+  const double water = value_of(sim, "conversion.gone_water"), h = 2 * 1.00794 / 18.01528;
+  EXPECT_NEAR(e[0], value_of(sim, "conversion.gone_carbon"), 1e-12 * mass);
+  EXPECT_NEAR(e[1], value_of(sim, "conversion.gone_hydrogen") + h * water, 1e-12 * mass);
+  EXPECT_NEAR(e[2], value_of(sim, "conversion.gone_oxygen") + (1 - h) * water, 1e-12 * mass);
+}
+
 TEST(Furnace, GrainsCannotTakeMoreOxygenThanTheirCellsHold) {
   // hot char in little air without inlets: the oxygen is used up, and not a molecule more
   std::vector<double> T(27, 1400.0);
