@@ -150,12 +150,6 @@ double slimness(const Rules& rules, const Rows& rows, Row i) {
   return shape != nullptr ? shape->smallest / shape->bound : 1;
 }
 
-/// What of a superquadric moves faster than its centre: the way out from the sphere within it, as it turns [m/s].
-double speed_of_turning(const Rules& rules, const Rows& rows, Row i) {
-  const double* u = rows.v2.data() + static_cast<long>(rules.stride) * i + 4;  // R w
-  return __builtin_sqrt((u[0] * u[0] + u[1] * u[1]) + u[2] * u[2]) * (1 - slimness(rules, rows, i));
-}
-
 void observe_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Chunk& c) {
   const Scratch& s = *c.scratch;
   const MonitorSettings& m = rules.scene.monitor;
@@ -166,8 +160,7 @@ void observe_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Chu
   for (Row i = c.lo; i < c.hi; ++i) {
     if (!rows.is_alive(i)) continue;
     const double* v = rows.v2.data() + static_cast<long>(rules.stride) * i;
-    double speed = __builtin_sqrt((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
-    if (rules.has.superquadrics) speed += speed_of_turning(rules, rows, i);
+    const double speed = __builtin_sqrt((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
     x.offer(Watch::travel, speed * dt / rows.p[4L * i + 3], m.warn_travel, rows.id[i], -1);
   }
   for (Row i = c.lo; rules.has.superquadrics && i < c.hi; ++i) observe_thin(rules, rows, i, x);
