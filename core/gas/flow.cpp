@@ -22,6 +22,7 @@ constexpr int k_most_iterations = 200;
 constexpr double k_change = 1e-10;      // relative change of velocities at which the iteration ends
 constexpr double k_most_change = 1e-6;  // ... that is accepted when it has not
 constexpr double k_still = 1e-7;        // or a change [m/s] of gas that is nearly at rest
+constexpr int k_most_turns = 4;         // of the flow through an open face
 constexpr double k_cg_tolerance = 1e-13, k_cg_enough = 1e-9;  // aimed at; accepted where rounding ends it earlier
 
 /// Lower triangle of the matrix over cells, with the places of diagonal and faces in its values.
@@ -87,10 +88,12 @@ struct FlowSolver::Impl {
   std::vector<Resistance> resistance;
   std::vector<double> slip, speed;  ///< of cells, half way between the last two iterations
   std::vector<double> outer_rho;    ///< of outer faces that are open to a pressure
+  std::vector<int> turns;           ///< how often the flow through an outer face has turned since the first iteration
 
   explicit Impl(const Grid& g) : grid(g), system(g), b(g.cells()), x(g.cells()) {
     resistance.resize(static_cast<std::size_t>(g.cells()));
     outer_rho.resize(g.outer.size());
+    turns.resize(g.outer.size());
   }
 
   Vec3 moved(const FlowInput& in, std::size_t c) const { return in.porosity[c] * in.solid_velocity[c]; }
@@ -116,7 +119,7 @@ struct FlowSolver::Impl {
   void set_resistances(const FlowInput& in, const Flow& flow) {
     const auto n = static_cast<std::size_t>(grid.cells());
     const bool first = flow.iterations == 1;
-    if (first) slip.assign(n, 0), speed.assign(n, 0);
+    if (first) slip.assign(n, 0), speed.assign(n, 0), std::fill(turns.begin(), turns.end(), 0);
     const double w = flow.iterations < 30 ? 0.5 : flow.iterations < 100 ? 0.2 : 0.05;  // of the present velocity
     for (std::size_t c = 0; c < n; ++c) {
       const double now = norm(flow.velocity[c] - moved(in, c)), whole = norm(flow.velocity[c]);
@@ -143,12 +146,17 @@ struct FlowSolver::Impl {
     const double drive = 0.5 * (ra.bed * moved(in, a)[f.axis] + rb.bed * moved(in, b)[f.axis]);
     return {0.5 * ((ra.bed + ra.empty) + (rb.bed + rb.empty)), drive + rho * in.gravity[f.axis], rho};
   }
-  /// An open face, half a cell from its middle: outward U = ((p - p_out) / (h/2) + push) / r.
+  /// An open face, half a cell from its middle: outward U = ((p - p_out) / (h/2) + push) / r. The gas has the density
+  /// of the side that it comes from. Where light gas within and heavy gas without would each drive it the other way, it
+  /// turns in every iteration: then that of both sides.
   FaceLaw law_of(const FlowInput& in, const Flow& flow, const OuterFace& f, std::size_t k) const {
     const auto c = static_cast<std::size_t>(f.cell);
     const double sign = f.high ? 1 : -1;
     const double mean = 0.5 * (flow.pressure[c] + in.outer[k].pressure);
-    const double rho = mean / (flow.outer[k] < 0 ? in.outer[k].gas_constant_t : in.gas_constant_t[c]);
+    const double within = in.gas_constant_t[c], without = in.outer[k].gas_constant_t;
+    const double rho = mean / (turns[k] >= k_most_turns ? 0.5 * (within + without)
+                               : flow.outer[k] < 0      ? without
+                                                        : within);
     return {resistance[c].bed + resistance[c].empty,
             sign * (resistance[c].bed * moved(in, c)[f.axis] + rho * in.gravity[f.axis]), rho};
   }
@@ -205,6 +213,7 @@ struct FlowSolver::Impl {
       } else {
         const FaceLaw l = law_of(in, before, f, k);
         flow.outer[k] = ((p(f.cell) + in.reference - o.pressure) / (0.5 * grid.h[f.axis]) + l.push) / l.r;
+        if (flow.iterations > 1 && (flow.outer[k] < 0) != (before.outer[k] < 0)) ++turns[k];
         flow.outer_flux[k] = l.rho * flow.outer[k] * area;
         outer_rho[k] = l.rho;
       }

@@ -4,54 +4,10 @@
 #include <algorithm>
 
 #include "core/base/det_math.hpp"
+#include "core/rules/laws/law.hpp"
 
 namespace talus {
 namespace {
-
-/// Energy of a law at overlap delta and reduced radius R [J], its derivatives by both.
-struct Normal {
-  double energy, by_overlap, by_reduced;
-};
-
-Normal hertz(double kn, double reduced, double delta) {
-  const double f = kn * __builtin_sqrt(reduced * delta) * delta, e = 0.4 * f * delta;
-  return {e, f, 0.5 * e / reduced};
-}
-
-/// Root s >= 1 of s^4 - 4 s = D for excess = D + 3 > 0, as in the kernel.
-double jkr_root(double excess) {
-  const double target = __builtin_sqrt(excess), wide = __builtin_sqrt(target), flat = target * 0.408248290463863016;
-  double u = fmin2(flat, wide);
-  for (int k = 0; k < 6; ++k) {
-    const double root = __builtin_sqrt((u * u + 4 * u) + 6);
-    u = u - ((u * root - target) * root) / ((2 * (u * u) + 6 * u) + 6);
-  }
-  return 1 + u;
-}
-
-/// Necks below zero overlap store nothing: what is done on them counts as lost.
-Normal jkr(const PairParameters& p, double reduced, double delta) {
-  if (!(delta > 0)) return {0, 0, 0};
-  const double modulus = 0.75 * p.kn, w = fmax2(p.w, 1e-20 * (modulus * reduced));
-  const double ac = det::cbrt(det::k_pi * w * (reduced * reduced / (8 * modulus)));
-  const double unit = ac * ac / reduced, pull = det::k_pi * w * reduced;
-  const double s = jkr_root(fmax2(delta / unit + 3, 0)), s3 = s * s * s;
-  const double f = pull * (s3 * (s3 / 6 - 1));
-  const double e = pull * unit * (s3 * s * (s3 * s3 / 15 - s3 * (2.0 / 3) + 1) + 3.8097625247236784);
-  return {e, f, (4 * e - delta * f) / (3 * reduced)};  // pull goes with R, unit with R^(1/3)
-}
-
-Normal normal_of(const Rules& rules, int pair, double reduced, double delta) {
-  const PairParameters& p = rules.law.parameters[static_cast<std::size_t>(pair)];
-  switch (rules.law.info->force) {
-    case LawForce::linear:
-      return {0.5 * p.kn * (delta * delta), p.kn * delta, 0};
-    case LawForce::jkr:
-      return jkr(p, reduced, delta);
-    default:
-      return hertz(p.kn, reduced, delta);
-  }
-}
 
 /// Cohesion: -c times the area of contact, integrated over the way in.
 SizePush cohesion(double c, double ri, double rj, double d) {
@@ -69,9 +25,8 @@ SizePush cohesion(double c, double ri, double rj, double d) {
 double turned_energy(const Rules& rules, int pair, double reduced, double delta, const double* m) {
   const AddOnParameters& a = rules.law.add_ons[static_cast<std::size_t>(pair)];
   const double kn = rules.law.parameters[static_cast<std::size_t>(pair)].kn;
-  const bool linear = rules.law.info->force == LawForce::linear;
-  // JKR: with the radius of Hertz; the share of these springs is small
-  const double stiffness = linear ? kn : 1.5 * kn * __builtin_sqrt(reduced * fmax2(delta, 0));
+  // with adhesion: the radius of Hertz; the share of these springs is small
+  const double stiffness = law_of(rules.scene).by_modulus ? 1.5 * kn * __builtin_sqrt(reduced * fmax2(delta, 0)) : kn;
   const double unit = 2.25 * stiffness * (reduced * reduced);
   const bool rolls = rules.law.moment_args.rolling == 2;
   double e = 0;
@@ -101,7 +56,8 @@ bool leaves(const Contacts& contacts, Row i) {
 SizePush size_push(const Rules& rules, int pair, double ri, double rj, double distance, double turned) {
   const bool wall = rj < 0;
   const double delta = wall ? ri - distance : (ri + rj) - distance, reduced = wall ? ri : ri * rj / (ri + rj);
-  const Normal n = normal_of(rules, pair, reduced, delta);
+  const StoredEnergy n =
+      law_of(rules.scene).stored(rules.law.parameters[static_cast<std::size_t>(pair)], reduced, delta);
   const double by_reduced = n.by_reduced - 2 * turned / reduced;
   const auto share = [&](double r) { return wall ? 1.0 : (reduced / r) * (reduced / r); };
   SizePush p{n.energy, n.by_overlap + by_reduced * share(ri), wall ? 0 : n.by_overlap + by_reduced * share(rj)};

@@ -95,13 +95,13 @@ class Heat final : public Part, public GrainHeat {
     columns.add(temperature, s_.temperature, &s_.next_temperature);
     columns.add(info("enthalpy", "J", "heat", true, k_seed + 1), s_.enthalpy, &s_.next_enthalpy);
     ColumnInfo molten = info("molten", "-", "material.heat.latent_heat", true, 0);
-    molten.in = s_.any_melts;
-    molten.output = s_.any_melts;
-    columns.add(molten, s_.molten, &s_.next_molten);
+    molten.in = s_.molten.any;
+    molten.output = s_.molten.any;
+    columns.add(molten, s_.molten.share, &s_.molten.next);
     ColumnInfo size = info("radii of expansion", "m", "material.heat.expansion", true, k_seed + 3);
-    size.in = s_.any_expands;
+    size.in = s_.sizes.any;
     size.width = 3;
-    columns.add(size, s_.size, &s_.next_size);
+    columns.add(size, s_.sizes.radii, &s_.sizes.next);
     columns.add(info("heat flow", "W", "heat", false, 0), s_.flow);
     columns.add(info("heat conductance", "W/K", "heat", false, 0), s_.conductance);
     ColumnInfo loss = info("heat of friction", "J", "heat.friction", true, k_seed + 2);
@@ -126,8 +126,8 @@ class Heat final : public Part, public GrainHeat {
                                s_.scene.every,
                                [this](const PartView& w, const Chunk&) { heat_step(s_, w); }}};
     if (!s_.scene.lasers.empty()) all[1].reads.push_back({"laser heat"});
-    if (s_.any_melts) all[1].writes.push_back({"molten"});
-    if (s_.any_expands) all[1].writes.push_back({"radii of expansion"});
+    if (s_.molten.any) all[1].writes.push_back({"molten"});
+    if (s_.sizes.any) all[1].writes.push_back({"radii of expansion"});
     if (std::find(s_.shells.begin(), s_.shells.end(), 1) != s_.shells.end())
       for (PartNode& n : all) n.reads.push_back({"grain surface", true});
     if (s_.scene.friction)
@@ -155,11 +155,12 @@ class Heat final : public Part, public GrainHeat {
       const double E = s_.shells[m] != 0 ? 0 : mass_of(rules_, rows, i) * s_.matter[m].enthalpy.at(h.temperature);
       s_.temperature[at] = s_.next_temperature[at] = h.temperature;
       s_.enthalpy[at] = s_.next_enthalpy[at] = E;
-      if (s_.any_melts)
-        s_.molten[at] = s_.next_molten[at] = s_.matter[m].enthalpy.molten(s_.matter[m].enthalpy.at(h.temperature));
-      if (s_.any_expands) {
+      if (s_.molten.any)
+        s_.molten.share[at] = s_.molten.next[at] =
+            s_.matter[m].enthalpy.molten(s_.matter[m].enthalpy.at(h.temperature));
+      if (s_.sizes.any) {
         const double r = rows.p[4L * i + 3], sizes[] = {r, r, r / (1 + s_.matter[m].expansion * h.temperature)};
-        for (Column<double>* c : {&s_.size, &s_.next_size}) std::copy_n(sizes, 3, c->data() + 3L * i);
+        for (Column<double>* c : {&s_.sizes.radii, &s_.sizes.next}) std::copy_n(sizes, 3, c->data() + 3L * i);
       }
       if (s_.any_held) s_.held[at] = static_cast<std::int16_t>(h.held ? source + 1 : 0);
       s_.totals.sources += E;
@@ -170,19 +171,19 @@ class Heat final : public Part, public GrainHeat {
     if (s_.clock == nullptr || s_.last_step < 0 || s_.clock->step - 1 != s_.last_step) return;
     std::swap(s_.temperature, s_.next_temperature);
     std::swap(s_.enthalpy, s_.next_enthalpy);
-    std::swap(s_.molten, s_.next_molten);
-    std::swap(s_.size, s_.next_size);
+    std::swap(s_.molten.share, s_.molten.next);
+    std::swap(s_.sizes.radii, s_.sizes.next);
     s_.totals = s_.totals_before;
     s_.last_step = -1;
   }
 
   std::vector<PartValue> values(const PartView& w) const override;
-  bool resizes() const override { return s_.any_expands; }
+  bool resizes() const override { return s_.sizes.any; }
   void sizes(const PartView& w, const Chunk&, const RowSizes& s) const override {
     const double share = static_cast<double>(w.clock.step % s_.scene.every + 1) / static_cast<double>(s_.scene.every);
     for (Row i = s.lo; i < s.hi; ++i) {
       if (!w.rows.is_alive(i) || !(s_.matter[static_cast<std::size_t>(s_.material(w, i))].expansion > 0)) continue;
-      const double *r = s_.size.data() + 3L * i, from = r[0], to = r[1];
+      const double *r = s_.sizes.radii.data() + 3L * i, from = r[0], to = r[1];
       s.radius[i - s.lo] = share < 1 ? from + share * (to - from) : to;
     }
   }
@@ -265,9 +266,9 @@ std::vector<PartValue> Heat::values(const PartView& w) const {
                              {"heat.mean", "K", any ? sum / static_cast<double>(w.rows.alive) : 0.0},
                              {"heat.highest", "K", high}};
   if (laser != nullptr) out.push_back({"heat.in_by_laser", "J", laser->absorbed()});
-  if (s_.any_melts)
+  if (s_.molten.any)
     out.push_back({"heat.molten", "kg", sum_rows(w.rows, [&](std::size_t i) {
-                     return mass_of(rules_, w.rows, static_cast<Row>(i)) * s_.molten[i];
+                     return mass_of(rules_, w.rows, static_cast<Row>(i)) * s_.molten.share[i];
                    })});
   if (part_as<GrainInside>(w.parts) != nullptr) out.push_back({"heat.into_shells", "J", -t.inside});
   for (std::size_t k = 0; k < s_.scene.walls.size(); ++k)
@@ -307,11 +308,11 @@ HeatState::HeatState(const Rules& rules) : scene(rules.scene.heat) {
     const heat::Property capacity = heat::Property::of(m.capacity);
     q.enthalpy =
         m.latent_heat > 0 ? heat::Enthalpy(capacity, m.solidus, m.liquidus, m.latent_heat) : heat::Enthalpy(capacity);
-    any_melts = any_melts || q.enthalpy.melts();
+    molten.any = molten.any || q.enthalpy.melts();
     q.conductivity = heat::Property::of(m.conductivity);
     q.emissivity = m.emissivity;
     q.expansion = m.expansion;
-    any_expands = any_expands || m.expansion > 0;
+    sizes.any = sizes.any || m.expansion > 0;
     q.least_capacity = capacity.least_on(cold, k_hot);
     matter.push_back(q);
   }

@@ -41,6 +41,20 @@ struct HeatTotals {
   double sources = 0, removed = 0, walls = 0, gas = 0, radiation = 0, friction = 0, held = 0, inside = 0;
 };
 
+struct HeatMelt {
+  bool any = false;
+  Column<double> share, next;  ///< of the grain
+};
+struct HeatSizes {
+  bool any = false;
+  Column<double> radii, next;  ///< [3 n]: radius at the last heat step, to come at the next one, at 0 K [m]
+};
+/// What a unit of conductance receives of a given flux, by heat.wall entries [K], of a step; for contact files.
+struct HeatFluxes {
+  std::vector<double> shares;
+  std::int64_t step = -1;
+};
+
 /// State of the part; its nodes are free functions of it.
 struct HeatState {
   explicit HeatState(const Rules& rules);
@@ -49,11 +63,11 @@ struct HeatState {
   std::vector<HeatMatter> matter;
   std::vector<HeatPair> pairs;  ///< materials squared
   std::vector<char> shells;     ///< by material: the part conversion computes its grains
-  bool any_held = false, any_melts = false, any_expands = false;
+  bool any_held = false;
 
   Column<double> temperature, next_temperature, enthalpy, next_enthalpy;  ///< [K], [J]
-  Column<double> molten, next_molten;                                     ///< share of the grain
-  Column<double> size, next_size;    ///< [3 n]: radius at the last heat step, to come at the next one, at 0 K [m]
+  HeatMelt molten;
+  HeatSizes sizes;
   Column<double> loss;               ///< since the last heat step [J]
   Column<double> flow, conductance;  ///< of the present heat step [W], [W/K]
   Column<std::int16_t> held;         ///< source + 1 of grains that keep their temperature
@@ -63,8 +77,7 @@ struct HeatState {
   std::vector<double> wall_area;             ///< of those with a flux [m2]; known from the first heat step on
   std::vector<double> source_flow;           ///< of sources that hold their temperature [W]
   std::int64_t last_step = -1;               ///< that ended with a heat step
-  mutable std::vector<double> flux_share;    ///< of heat.wall entries, for contact files
-  mutable std::int64_t shares_step = -1;     ///< that it is of
+  mutable HeatFluxes fluxes;
   const Clock* clock = nullptr;
 
   double dt(const PartView& w) const { return w.rules.scene.dt * static_cast<double>(scene.every); }

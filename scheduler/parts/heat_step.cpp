@@ -266,7 +266,7 @@ class HeatStep {
       const auto at = static_cast<std::size_t>(i);
       s_.next_enthalpy[at] = s_.enthalpy[at];
       s_.next_temperature[at] = s_.temperature[at];
-      if (s_.any_melts) s_.next_molten[at] = s_.molten[at];
+      if (s_.molten.any) s_.molten.next[at] = s_.molten.share[at];
       double heat = dt_ * s_.flow[at];
       if (s_.scene.friction) {
         heat = heat + s_.loss[at];
@@ -284,16 +284,16 @@ class HeatStep {
         s_.next_enthalpy[at] = s_.enthalpy[at] + heat;
         const double per_mass = s_.next_enthalpy[at] / mass_of(w_.rules, w_.rows, i);
         s_.next_temperature[at] = matter(i).enthalpy.temperature(per_mass, s_.temperature[at]);
-        if (s_.any_melts) s_.next_molten[at] = matter(i).enthalpy.molten(per_mass);
+        if (s_.molten.any) s_.molten.next[at] = matter(i).enthalpy.molten(per_mass);
       }
-      if (s_.any_expands) expand(i);
+      if (s_.sizes.any) expand(i);
       if (!(s_.next_temperature[at] > 0)) sum.worst = i;
     });
   }
 
   void expand(Row i) {
-    const double* now = s_.size.data() + 3L * i;
-    double* next = s_.next_size.data() + 3L * i;
+    const double* now = s_.sizes.radii.data() + 3L * i;
+    double* next = s_.sizes.next.data() + 3L * i;
     next[0] = now[1];
     next[1] = now[2] * (1 + matter(i).expansion * s_.next_temperature[static_cast<std::size_t>(i)]);
     next[2] = now[2];
@@ -379,8 +379,8 @@ void heat_step(HeatState& s, const PartView& w) {
   HeatStep(s, w).run();
   std::swap(s.temperature, s.next_temperature);
   std::swap(s.enthalpy, s.next_enthalpy);
-  std::swap(s.molten, s.next_molten);
-  std::swap(s.size, s.next_size);
+  std::swap(s.molten.share, s.molten.next);
+  std::swap(s.sizes.radii, s.sizes.next);
   s.last_step = w.clock.step;
 }
 

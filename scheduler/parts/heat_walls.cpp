@@ -72,11 +72,11 @@ double heat_of_wall(const HeatState& s, const PartView& w, Row i, int wall, doub
   const WallHeat& h = s.scene.walls[static_cast<std::size_t>(e)];
   const double g = conductance_of(s, w, h, i, wall, overlap);
   if (h.temperature.given()) return g * (h.temperature(s.middle(w)) - s.temperature[static_cast<std::size_t>(i)]);
-  if (s.shares_step != w.clock.step) {
-    s.flux_share = shares_of_flux(s, w, entry);
-    s.shares_step = w.clock.step;
+  if (s.fluxes.step != w.clock.step) {
+    s.fluxes.shares = shares_of_flux(s, w, entry);
+    s.fluxes.step = w.clock.step;
   }
-  return g * s.flux_share[static_cast<std::size_t>(e)];
+  return g * s.fluxes.shares[static_cast<std::size_t>(e)];
 }
 
 void heat_walls(HeatState& s, const PartView& w) {

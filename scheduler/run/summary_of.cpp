@@ -5,6 +5,17 @@
 #include "scheduler/lists/policies/policy.hpp"
 
 namespace talus {
+namespace {
+
+void add_planes(const Simulation& simulation, Summary& s) {
+  for (std::size_t q = 0; q < simulation.planes().size(); ++q) {
+    const PlaneTotal& t = simulation.planes()[q];
+    s.planes.push_back({simulation.scene().output.flux_planes[q].name, t.particles(), t.forward, t.backward, t.mass});
+  }
+  s.planes_hash = simulation.planes_hash();
+}
+
+}  // namespace
 
 Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   const Scene& scene = simulation.scene();
@@ -41,13 +52,7 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   s.inserted = c.inserted;
   s.removed = c.removed;
   s.removed_mass = c.removed_mass;
-  if (!scene.output.flux_planes.empty()) {
-    for (std::size_t q = 0; q < simulation.planes().size(); ++q) {
-      const PlaneTotal& t = simulation.planes()[q];
-      s.planes.push_back({scene.output.flux_planes[q].name, t.particles(), t.forward, t.backward, t.mass});
-    }
-    s.planes_hash = simulation.planes_hash();
-  }
+  if (!scene.output.flux_planes.empty()) add_planes(simulation, s);
   for (const PartValue& v : simulation.part_values()) s.parts.emplace_back(v.name, v.value);
   s.bytes_per_particle = plan.bytes_per_particle;
   s.peak_rss_bytes = peak_rss_bytes();

@@ -168,13 +168,13 @@ void add_stress(const ContactRecord& c, bool first, double r, std::array<double,
 }
 
 /// What parts know of contacts.
-void add_contact_columns(const World& w, const std::vector<RowContact>& contacts, Frame& f) {
-  for (const auto& p : w.parts.all) {
+void add_contact_columns(const Parts& parts, const PartView& view, const std::vector<RowContact>& contacts, Frame& f) {
+  for (const auto& p : parts.all) {
     const auto [name, unit] = p->contact_column();
     if (name.empty()) continue;
     ExtraColumn column{name, unit, {}};
     for (const RowContact& c : contacts)
-      column.values.push_back(p->of_contact(view_of(w), c.i, c.j, static_cast<int>(-1 - c.record.b), c.record.overlap));
+      column.values.push_back(p->of_contact(view, c.i, c.j, static_cast<int>(-1 - c.record.b), c.record.overlap));
     f.contact_extra.push_back(std::move(column));
   }
 }
@@ -193,7 +193,7 @@ void add_contacts(const World& w, const FrameRequest& q, const std::vector<std::
     }
     if (q.contacts) f.contacts.push_back(c.record);
   }
-  if (q.contacts) add_contact_columns(w, contacts, f);
+  if (q.contacts) add_contact_columns(w.parts, view_of(w), contacts, f);
 }
 
 /// Particles in id order; returns the place of each row in it, or -1.

@@ -124,6 +124,10 @@ constexpr Law k_toy{
           p.kn = 2 * scene.contact.normal_stiffness;
           return p;
         },
+    .stored =
+        [](const PairParameters& p, double, double overlap) {
+          return StoredEnergy{0.5 * p.kn * (overlap * overlap), p.kn * overlap, 0};
+        },
     .dynamics =
         [](const Scene& scene, const ContactCase&, const ReducedPair& p, double, double) {
           ContactDynamics d;

@@ -290,6 +290,32 @@ TEST(Heat, WallsHoldTemperaturesAndGiveFluxes) {
   EXPECT_NEAR(temperatures(heated)[0], 300 + 250 * 0.04 * 20 / k_mc, 1e-8);
 }
 
+TEST(Heat, ContactsShowWhatTheyConductIntoTheirFirstGrain) {
+  std::vector<Grain> row = row_of(3);
+  row[1].fixed = false;  // contact files leave out pairs of fixed grains
+  Scene s = heat_scene(row, {400, 300, 350}, 0.2);
+  s.walls = {plane("floor", {0, 0, -k_R + k_delta}, {0, 0, 1})};
+  WallHeat floor;
+  floor.wall = "floor";
+  floor.temperature = TimeTable::constant(500);
+  s.heat.walls = {floor};
+  const Simulation sim(s, options());
+  const std::vector<double> T = temperatures(sim);
+  const Frame f = sim.frame({.contacts = true});
+  ASSERT_EQ(f.contact_extra.size(), 1u);
+  EXPECT_EQ(f.contact_extra[0].name, "heat_flow");
+  ASSERT_EQ(f.contact_extra[0].values.size(), f.contacts.size());
+  ASSERT_EQ(f.contacts.size(), 5u) << "two pairs and three grains on the floor";
+  const double on_wall = 2 * k_k * std::sqrt(k_R * k_delta);
+  for (std::size_t k = 0; k < f.contacts.size(); ++k) {
+    const ContactRecord& c = f.contacts[k];
+    const double here = T[static_cast<std::size_t>(c.a)];
+    const double wanted = c.b < 0 ? on_wall * (500 - here) : k_H * (T[static_cast<std::size_t>(c.b)] - here);
+    EXPECT_GT(std::fabs(wanted), 0.1);
+    EXPECT_NEAR(f.contact_extra[0].values[k], wanted, 1e-9 * std::fabs(wanted) + 1e-12) << c.a << " " << c.b;
+  }
+}
+
 TEST(Heat, FluxIsThatOfTheWallOnceHoweverItMeetsPeriodicSidesAndWhenEverItAppears) {
   const double area = 2 * (0.4 * 0.2 + 0.4 * 0.1 + 0.2 * 0.1), flux = 400, dt = 0.2, c = k_mc;
   const auto warmed = [&](double low, double grain, double appear) {

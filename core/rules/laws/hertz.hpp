@@ -34,6 +34,11 @@ inline PairParameters hertz_parameters(const Scene& scene, int a, int b, double 
   return p;
 }
 
+inline StoredEnergy hertz_stored(const PairParameters& p, double reduced, double overlap) {
+  const double f = p.kn * __builtin_sqrt(reduced * overlap) * overlap, e = 0.4 * f * overlap;
+  return {e, f, 0.5 * e / reduced};
+}
+
 /// alpha of the exact restitution.
 inline double hertz_damping(const Scene& scene, int a, int b) {
   return damping_coefficient(scene.pair(a, b).restitution, DampedSpring::hertz, scene.contact.clip_tension);

@@ -14,6 +14,7 @@ inline constexpr Law k_hertz_mindlin{
     .by_modulus = true,
     .parameters = [](const Scene& scene, int a,
                      int b) { return hertz_parameters(scene, a, b, hertz_damping(scene, a, b)); },
+    .stored = hertz_stored,
     .dynamics = hertz_dynamics,
     .overlaps = hertz_overlaps,
     .impact_power = 0.4,

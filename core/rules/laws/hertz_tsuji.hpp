@@ -20,6 +20,7 @@ inline constexpr Law k_hertz_tsuji{
     .by_modulus = true,
     .never_clips = "Tsuji's polynomial holds for contacts that end with their overlap: use model = hertz_mindlin",
     .parameters = tsuji_parameters,
+    .stored = hertz_stored,
     .dynamics = hertz_dynamics,
     .overlaps = hertz_overlaps,
     .impact_power = 0.4,

@@ -41,6 +41,29 @@ inline ContactDynamics jkr_dynamics(const Scene& scene, const ContactCase& c, co
   return dynamics_at(scene, c, p, h);
 }
 
+/// Root s >= 1 of s^4 - 4 s = D for excess = D + 3 > 0, as in the kernel.
+inline double jkr_root(double excess) {
+  const double target = __builtin_sqrt(excess), wide = __builtin_sqrt(target), flat = target * 0.408248290463863016;
+  double u = fmin2(flat, wide);
+  for (int k = 0; k < 6; ++k) {
+    const double root = __builtin_sqrt((u * u + 4 * u) + 6);
+    u = u - ((u * root - target) * root) / ((2 * (u * u) + 6 * u) + 6);
+  }
+  return 1 + u;
+}
+
+/// Necks below zero overlap store nothing: what is done on them counts as lost.
+inline StoredEnergy jkr_stored(const PairParameters& p, double reduced, double overlap) {
+  if (!(overlap > 0)) return {};
+  const double modulus = 0.75 * p.kn, w = fmax2(p.w, 1e-20 * (modulus * reduced));
+  const double ac = det::cbrt(det::k_pi * w * (reduced * reduced / (8 * modulus)));
+  const double unit = ac * ac / reduced, pull = det::k_pi * w * reduced;
+  const double s = jkr_root(fmax2(overlap / unit + 3, 0)), s3 = s * s * s;
+  const double f = pull * (s3 * (s3 / 6 - 1));
+  const double e = pull * unit * (s3 * s * (s3 * s3 / 15 - s3 * (2.0 / 3) + 1) + 3.8097625247236784);
+  return {e, f, (4 * e - overlap * f) / (3 * reduced)};  // pull goes with R, unit with R^(1/3)
+}
+
 inline constexpr Law k_jkr{
     .model = ContactModel::jkr,
     .what = "adhesive hertz_mindlin",
@@ -48,6 +71,7 @@ inline constexpr Law k_jkr{
     .by_modulus = true,
     .never_clips = "contradicts adhesion and cohesion, which pull",
     .parameters = jkr_parameters,
+    .stored = jkr_stored,
     .dynamics = jkr_dynamics,
     .overlaps = hertz_overlaps,
     .impact_power = 0.4,

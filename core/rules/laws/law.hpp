@@ -31,6 +31,11 @@ struct Overlaps {
   double impact = 0, pressed = 0;
 };
 
+/// Elastic energy of a contact in normal direction [J], its derivatives by the overlap and by R* [N].
+struct StoredEnergy {
+  double energy = 0, by_overlap = 0, by_reduced = 0;
+};
+
 struct Law {
   ContactModel model;
   std::string_view what;   ///< for `talus help`
@@ -44,6 +49,8 @@ struct Law {
   std::string_view never_clips{};  ///< why contact.clip_tension is refused; empty: it is not
   /// Coefficients of the pair of materials a and b, but for friction.
   PairParameters (*parameters)(const Scene&, int a, int b);
+  /// At reduced radius R* [m] and overlap [m]; what grains that change their size do to it is in the balance.
+  StoredEnergy (*stored)(const PairParameters&, double reduced, double overlap);
   /// Normal and tangential part of dynamics_of().
   ContactDynamics (*dynamics)(const Scene&, const ContactCase&, const ReducedPair&, double speed, double pressure);
   /// Radius r [m], mass m [kg], speed [m/s], load [N]; and with which power of the stiffness they fall.

@@ -62,6 +62,10 @@ inline void judge_linear_cohesion(const Scene& scene, int a, int b, double r_max
               scene.file, fmt::format("less than {:.4g} J/m3, or a stiffer contact", most));
 }
 
+inline StoredEnergy linear_stored(const PairParameters& p, double, double overlap) {
+  return {0.5 * p.kn * (overlap * overlap), p.kn * overlap, 0};
+}
+
 inline constexpr Law k_linear{
     .model = ContactModel::linear,
     .what = "spring and dashpot",
@@ -69,6 +73,7 @@ inline constexpr Law k_linear{
     .balanced = true,
     .weighs_spring = true,
     .parameters = linear_parameters,
+    .stored = linear_stored,
     .dynamics = linear_dynamics,
     .overlaps = linear_overlaps,
     .impact_power = 0.5,
