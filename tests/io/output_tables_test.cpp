@@ -33,6 +33,7 @@ std::ptrdiff_t rows_for(const Rows& rows, const std::string& name) {
 TEST(OutputTables, EveryColumnOfTheSeriesHasOneRowAndEveryRowAColumn) {
   SeriesLayout layout;
   layout.inserted = layout.wall_contacts = layout.energies = layout.rotation = true;
+  layout.friction = layout.superquadrics = layout.sizes = true;
   Scene scene;
   scene.output.stress = scene.output.coordination = true;
   layout.averages = averages_of(scene);

@@ -22,6 +22,7 @@ using test::TemporaryFolder;
 SeriesLayout full_layout() {
   SeriesLayout l;
   l.inserted = l.wall_contacts = l.energies = l.rotation = true;
+  l.friction = l.superquadrics = l.sizes = true;
   Scene scene;
   scene.output.stress = scene.output.coordination = true;
   l.averages = averages_of(scene);
@@ -93,6 +94,7 @@ TEST(Series, ColumnsAreThoseTheSceneHas) {
   EXPECT_TRUE(has("balance_residual") && has("wall.gate.force_x") && has("wall.gate.torque_z"));
   EXPECT_FALSE(has("kinetic_rotation") || has("dissipated_friction"));
   scene.sources.emplace_back();
+  scene.shapes.resize(1);
   scene.sources.back().shape = 0;
   some = SeriesLayout::of(scene, {}).columns();
   EXPECT_TRUE(has("kinetic_rotation")) << "normal forces turn bodies";
