@@ -59,3 +59,14 @@ def replace(path, data):
     with open(path + ".part", "wb") as f:
         f.write(data)
     os.replace(path + ".part", path)
+
+
+def fixed_lattice(path, across, high, pitch, diameter):
+    """Writes a particle file: fixed grains on a square lattice of across x across x high, pitch and diameter [m]."""
+    n = across * across * high
+    rows = ["x,y,z,radius,fixed"]
+    for k in range(n):
+        place = (k % across, k // across % across, k // across**2)
+        rows.append(",".join(repr(round((q + 0.5) * pitch, 9)) for q in place) + f",{diameter / 2!r},1")
+    replace(path, ("\n".join(rows) + "\n").encode())
+    print(f"{path}: {n} grains")

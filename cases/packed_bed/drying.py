@@ -24,12 +24,7 @@ PITCH, DIAMETER, ACROSS, HIGH = 0.01, 0.0098, 3, 30  # [m], [m], grains
 
 
 def make():
-    k = np.arange(ACROSS * ACROSS * HIGH)
-    x = (np.stack([k % ACROSS, k // ACROSS % ACROSS, k // ACROSS**2], axis=1) + 0.5) * PITCH
-    path = os.path.join(HERE, "generated", "drying.csv")
-    rows = ["x,y,z,radius,fixed"] + [",".join(repr(round(float(v), 9)) for v in p) + f",{DIAMETER / 2!r},1" for p in x]
-    case_files.replace(path, ("\n".join(rows) + "\n").encode())
-    print(f"{path}: {len(x)} grains")
+    case_files.fixed_lattice(os.path.join(HERE, "generated", "drying.csv"), ACROSS, HIGH, PITCH, DIAMETER)
 
 
 def series(folder):

@@ -30,12 +30,7 @@ AIR = {  # mass fraction, molar mass [kg/mol], cp/R as a polynomial of T
 
 
 def make():
-    k = np.arange(ACROSS * ACROSS * HIGH)
-    x = (np.stack([k % ACROSS, k // ACROSS % ACROSS, k // ACROSS**2], axis=1) + 0.5) * PITCH
-    path = os.path.join(HERE, "generated", "schumann.csv")
-    rows = ["x,y,z,radius,fixed"] + [",".join(repr(round(float(v), 9)) for v in p) + f",{DIAMETER / 2!r},1" for p in x]
-    case_files.replace(path, ("\n".join(rows) + "\n").encode())
-    print(f"{path}: {len(x)} grains")
+    case_files.fixed_lattice(os.path.join(HERE, "generated", "schumann.csv"), ACROSS, HIGH, PITCH, DIAMETER)
 
 
 def numbers():
