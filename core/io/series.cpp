@@ -196,7 +196,7 @@ SeriesWriter SeriesWriter::resume(const std::string& path, const SeriesLayout& l
   w.file_ = WatchedFile(path);
   if (::ftruncate(w.file_.fd(), static_cast<off_t>(w.size_)) != 0)
     throw Error(ErrorCode::io, std::string("cannot cut: ") + std::strerror(errno), path);
-  w.file_.mark();
+  w.file_.mark(w.size_);
   return w;
 }
 
@@ -234,13 +234,14 @@ void SeriesWriter::append(const SeriesRow& row) {
     const int error = errno;
     // Take back a part of a row, so that every reader finds whole rows; if even that fails, resume drops it.
     const int cut = ::ftruncate(file_.fd(), static_cast<off_t>(size_));
-    file_.mark();
+    file_.mark(size_);
     throw Error(ErrorCode::io,
                 std::string("cannot append a row: ") + std::strerror(error) + (cut == 0 ? "" : "; last row is torn"),
                 path_, "free some space; rows written before stay valid");
   }
-  file_.mark();
+  // What was written, not what is there: somebody may have cut the file since check().
   size_ += text.size();
+  file_.mark(size_);
   last_step_ = row.step;
   previous_ = row;
 }

@@ -16,7 +16,8 @@ WatchedFile::WatchedFile(std::string path) : path_(std::move(path)) {
   if (fd_ < 0)
     throw Error(ErrorCode::io, std::string("cannot open for writing: ") + std::strerror(errno), path_,
                 "choose a folder that you may write to");
-  mark();
+  struct stat st = {};
+  if (fstat(fd_, &st) == 0) size_ = st.st_size;
 }
 
 WatchedFile::~WatchedFile() {
@@ -29,12 +30,6 @@ WatchedFile& WatchedFile::operator=(WatchedFile&& o) noexcept {
   std::swap(size_, o.size_);
   std::swap(room_end_, o.room_end_);
   return *this;
-}
-
-void WatchedFile::mark() {
-  struct stat st = {};
-  if (fstat(fd_, &st) == 0) size_ = st.st_size;
-  room_end_ = 0;
 }
 
 void WatchedFile::check() const {

@@ -36,8 +36,7 @@ class WatchedFile {
   int fd() const noexcept { return fd_; }
   const std::string& path() const noexcept { return path_; }
   void renamed(std::string path) { path_ = std::move(path); }
-  /// The present size, or the given one, is the right one from now on.
-  void mark();
+  /// The given size is the right one from now on. Never ask the file for it: others may have changed it by then.
   void mark(std::uint64_t size) {
     size_ = static_cast<off_t>(size);
     room_end_ = 0;

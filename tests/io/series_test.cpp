@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
+#include <utility>
 
 #include "core/base/error.hpp"
 #include "core/io/atomic_file.hpp"
@@ -227,6 +229,33 @@ TEST(Series, FullDiskLeavesWholeRows) {
   w.append(row(2));  // space was made: the run may go on
   EXPECT_EQ(w.last_step(), 2);
   EXPECT_EQ(cells(slurp(folder / "s.csv")).size(), 3u);
+}
+
+/// Somebody cuts the file between the look at it and the write.
+class CutBeforeWrite : public FileCalls {
+ public:
+  explicit CutBeforeWrite(std::string path) : path_(std::move(path)) {}
+  ssize_t write(int fd, const void* d, std::size_t n) override {
+    std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2);
+    return FileCalls::write(fd, d, n);
+  }
+
+ private:
+  std::string path_;
+};
+
+TEST(Series, ACutDuringAWriteIsSeenAtTheNextLook) {
+  TemporaryFolder folder;
+  const std::string path = folder / "s.csv";
+  SeriesWriter w(path, full_layout());
+  w.append(row(1));
+  {
+    CutBeforeWrite other(path);
+    ScopedFileCalls scope(other);
+    w.append(row(2));
+  }
+  EXPECT_THROW(w.check(), Error);
+  EXPECT_THROW(w.append(row(3)), Error);
 }
 
 }  // namespace
