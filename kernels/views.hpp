@@ -39,6 +39,20 @@ struct NarrowArgs {
   int run_count;                ///< 0: every contact has its place of the last step
 };
 
+/// Contacts that begin or end, taken out of blocks: copies of their input, then their output, laid out as in Block. Of
+/// the others' order a sum of forces keeps nothing: they are added behind all others of a chunk, in list order.
+struct LateContacts {
+  int n;
+  std::int32_t at[k_block];  ///< place in the block, or in the chunk
+  /// Input by contact: x, g, r, h as in Block. Written one at a time between other work, it lies together: as columns
+  /// each contact would touch twenty cache lines.
+  alignas(64) double in[k_block][24];
+  alignas(64) double x[4][k_block + k_pad], g[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad],
+      t[3][k_block + k_pad], h[4][k_block + k_pad], slid[k_block + k_pad];
+  alignas(64) std::int32_t pair[k_block + k_pad];
+  LateContacts* next;  ///< where the list goes on when this one is full
+};
+
 /// One block of up to k_block contacts in L1: relative geometry and motion in, force and torque rows out.
 struct Block {
   int n;                               ///< contacts; arrays are padded with harmless values to a multiple of 8
@@ -57,6 +71,10 @@ struct Block {
   /// holds 0..2 trial tangential force [N], 3 stiffness, 4..6 normal, 7 normal force [N].
   double (*t)[k_block + k_pad];
   double* slid;  ///< out, or null: how long the contact has moved in this step, less than dt where it has begun [s]
+  /// Where the linear law leaves contacts that begin or end, or null: then they stay in the block. Their force rows in
+  /// the block are zero; a trial leaves them unfinished (KernelTable::late). Holds at most k_block more.
+  LateContacts* late;
+  std::int32_t first;  ///< place of the block's first contact in the chunk; for late only
 };
 
 /// Coefficients of one material pair for what is added to a law; see kernels/models/moments.hpp and cohesion.hpp.
@@ -259,6 +277,8 @@ struct KernelTable {
   /// goes into loads, stores and shuffles instead of in one that multiplications bind.
   double (*trial)(Block&, const LawArgs&);  ///< returns LimitArgs::back
   void (*scatter_limited)(const LimitArgs&);
+  /// Forces of what trials have left behind, as a trial leaves them; none exceeds its limit any more.
+  double (*late)(LateContacts&, const LawArgs&);              ///< returns LimitArgs::back
   void (*narrow_adhesive)(NarrowArgs&, const AdhesiveArgs&);  ///< history is left to carry
   void (*carry)(const CarryArgs&);
   void (*spin)(const SpinArgs&);

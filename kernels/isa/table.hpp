@@ -61,6 +61,7 @@ constexpr KernelTable make_table() {
   fill_laws<S, Linear, HertzMindlin, Jkr, PartialSlip>(t);
   t.trial = linear_trial<S>;
   t.scatter_limited = scatter_limited<S>;
+  t.late = linear_late<S>;
   t.narrow_adhesive = narrow_adhesive<S>;
   t.carry = carry<S>;
   t.spin = spin<S>;

@@ -52,6 +52,11 @@ struct ContactEnd {
   }
 };
 
+/// Steps before the end, and after the touch without early_slip(), in which a contact is set aside. More than k_early
+/// by what a spring adds to the speed in that time: enough from nine steps per contact on, and with fewer nothing is
+/// exact.
+inline constexpr double k_near_steps = 1.25;
+
 /// Steps after the touch in which early_slip() looks.
 inline constexpr double k_early_steps = 3;
 
@@ -86,74 +91,82 @@ TALUS_INLINE void early_slip(const Factors& f, typename S::B meff, typename S::M
   }
 }
 
-/// Copies of the contacts of a block that begin or end, as a block of their own. A contact is set aside or not by its
-/// own numbers, so that its bits depend on no neighbour.
-struct SetAside {
-  int n = 0;
-  int at[k_block];  ///< place in the block
-  alignas(64) double x[4][k_block + k_pad], g[4][k_block + k_pad], r[8][k_block + k_pad], e[3][k_block + k_pad],
-      t[3][k_block + k_pad], h[4][k_block + k_pad], slid[k_block + k_pad];
-  alignas(64) std::int32_t pair[k_block + k_pad];
+/// Copies of contacts that begin or end. A contact is set aside or not by its own numbers, so that its bits depend on
+/// no neighbour. Contacts k + q of b where bit q of lanes is set are added to `to`, which goes on in its next where it
+/// is full; `first` is added to their place.
+template <bool Friction, bool Multi>
+TALUS_INLINE void set_aside(LateContacts*& to, const Block& b, int k, unsigned lanes, bool recall, std::int32_t first) {
+  constexpr int history = Friction ? 3 : 0;
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int from = k + __builtin_ctz(lanes);
+    if (from >= b.n) return;
+    if (to->n == k_block) to = to->next;
+    const int n = to->n++;
+    to->at[n] = first + from;
+    double* in = to->in[n];
+    in[0] = b.x[from];
+    in[1] = b.y[from];
+    in[2] = b.z[from];
+    in[3] = b.w[from];
+    for (int c = 0; c < (Friction ? 4 : 3); ++c) in[4 + c] = b.g[c][from];
+    for (int c = 0; c < (Friction ? 8 : 4); ++c) in[8 + c] = b.r[c][from];
+    for (int c = 0; c < history; ++c) in[16 + c] = b.h_in[c][from];
+    if (recall) in[16 + history] = b.h_in[history][from];
+    if constexpr (Multi) to->pair[n] = b.pair[from];
+  }
+}
 
-  /// Contacts k + q of b where bit q of lanes is set.
-  template <bool Friction, bool Multi>
-  TALUS_INLINE void take(const Block& b, int k, unsigned lanes, bool recall) {
-    constexpr int history = Friction ? 3 : 0;
-    for (; lanes != 0; lanes &= lanes - 1) {
-      const int from = k + __builtin_ctz(lanes);
-      if (from >= b.n) return;
-      at[n] = from;
-      x[0][n] = b.x[from];
-      x[1][n] = b.y[from];
-      x[2][n] = b.z[from];
-      x[3][n] = b.w[from];
-      for (int c = 0; c < (Friction ? 4 : 3); ++c) g[c][n] = b.g[c][from];
-      for (int c = 0; c < (Friction ? 8 : 4); ++c) r[c][n] = b.r[c][from];
-      for (int c = 0; c < history; ++c) h[c][n] = b.h_in[c][from];
-      if (recall) h[history][n] = b.h_in[history][from];
-      if constexpr (Multi) pair[n] = b.pair[from];
-      ++n;
+/// What has been set aside as a block, padded to whole vectors.
+template <class S>
+TALUS_INLINE Block late_block(LateContacts& of) {
+  const auto fill = [&](auto& columns, int from) {
+    for (auto& c : columns) {
+      for (int q = 0; q < of.n; ++q) c[q] = of.in[q][from];
+      S::store(c + of.n, S::set(0.0));
+      ++from;
     }
-  }
-  /// Padded to whole vectors.
-  template <class S>
-  TALUS_INLINE Block block(const Block& b) {
-    const auto clear = [&](auto& columns) {
-      for (auto& c : columns) S::store(c + n, S::set(0.0));
-    };
-    clear(x);
-    clear(g);
-    clear(r);
-    clear(h);
-    for (int q = 0; q < S::W; ++q) pair[n + q] = 0;
-    Block s{};
-    s.n = n;
-    s.x = x[0];
-    s.y = x[1];
-    s.z = x[2];
-    s.w = x[3];
-    s.g = g;
-    s.r = r;
-    for (int c = 0; c < 4; ++c) s.h_in[c] = s.h[c] = h[c];
-    s.pair = pair;
-    s.e = e;
-    s.t = t;
-    s.slid = b.slid != nullptr ? slid : nullptr;
-    return s;
-  }
-  template <bool Friction, bool Energy, bool Trial>
-  TALUS_INLINE void put_back(const Block& b, bool recall) const {
-    constexpr int history = Friction ? 3 : 0;
-    for (int q = 0; q < n; ++q) {
-      const int to = at[q];
-      for (int c = 0; c < (Friction ? 8 : 4); ++c) b.r[c][to] = r[c][q];
-      for (int c = 0; c < history; ++c) b.h[c][to] = h[c][q];
-      if (recall) b.h[history][to] = h[history][q];
-      for (int c = 0; Energy && c < 3; ++c) b.e[c][to] = e[c][q];
-      for (int c = 0; Trial && c < 3; ++c) b.t[c][to] = t[c][q];
-      if (Friction && b.slid != nullptr) b.slid[to] = slid[q];
+  };
+  fill(of.x, 0);
+  fill(of.g, 4);
+  fill(of.r, 8);
+  fill(of.h, 16);
+  for (int q = 0; q < S::W; ++q) of.pair[of.n + q] = 0;
+  Block s{};
+  s.n = of.n;
+  s.x = of.x[0];
+  s.y = of.x[1];
+  s.z = of.x[2];
+  s.w = of.x[3];
+  s.g = of.g;
+  s.r = of.r;
+  for (int c = 0; c < 4; ++c) s.h_in[c] = s.h[c] = of.h[c];
+  s.pair = of.pair;
+  s.e = of.e;
+  s.t = of.t;
+  s.slid = of.slid;
+  return s;
+}
+
+/// The finished contacts return to their block; their force rows where the block wants them, see Block::late.
+template <bool Friction, bool Energy, bool Trial>
+TALUS_INLINE void put_back(const LateContacts& of, const Block& b, bool recall) {
+  constexpr int history = Friction ? 3 : 0, rows = Friction ? 8 : 4;
+  LateContacts* late = b.late;
+  for (int q = 0; q < of.n; ++q) {
+    const int to = of.at[q];
+    if (late != nullptr) {
+      if (late->n == k_block) late = late->next;
+      late->at[late->n] = b.first + to;
+      for (int c = 0; c < rows; ++c) late->r[c][late->n] = of.r[c][q];
+      ++late->n;
     }
+    for (int c = 0; c < rows; ++c) b.r[c][to] = late != nullptr ? 0.0 : of.r[c][q];
+    for (int c = 0; c < history; ++c) b.h[c][to] = of.h[c][q];
+    if (recall) b.h[history][to] = of.h[history][q];
+    for (int c = 0; Energy && c < 3; ++c) b.e[c][to] = of.e[c][q];
+    for (int c = 0; Trial && c < 3; ++c) b.t[c][to] = of.t[c][q];
+    if (Friction && b.slid != nullptr) b.slid[to] = of.slid[q];
   }
-};
+}
 
 }  // namespace talus::kernels

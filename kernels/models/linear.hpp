@@ -57,7 +57,8 @@ struct LinearBlock {
   Coefficients<S, Multi> c;
   LinearFactors<S> shared{};
   bool constant, weighs, series, looks;  ///< looks for contacts that begin or end
-  B travel, apart, onward;  ///< how far an overlap may change in the time for the next step; or has, since the touch
+  B travel, onward;    ///< how long the tangential spring moves; overlap over speed while early_slip() looks
+  B closing, parting;  ///< overlap over speed of contacts that may have begun, or end
 
   TALUS_INLINE LinearBlock(const Block& block, const LawArgs& args) : a(args), b(block) {
     constant = !Multi && a.by_restitution == 0;
@@ -66,8 +67,9 @@ struct LinearBlock {
     // nothing to weigh where there is neither dashpot nor friction
     looks = a.recall != 0 || (weighs && (Friction || Multi || a.one.gn != 0));
     travel = S::set(a.start != 0 ? 0.0 : a.dt);
-    apart = S::set(weighs ? ContactEnd<S>::k_early * a.dt : 0.0);
     onward = S::set(series ? -k_early_steps * a.dt : 0.0);
+    closing = S::set(!weighs ? 0.0 : series ? -k_early_steps * a.dt : -k_near_steps * a.dt);
+    parting = S::set(weighs ? k_near_steps * a.dt : 0.0);
     if constexpr (!Multi) {
       c.load(b, a, 0);
       shared.set(c.kn, c.kt, c.mu, c.gn, c.gt, a);
@@ -75,11 +77,23 @@ struct LinearBlock {
   }
 };
 
-/// Forces of S::W contacts from k on. Ends: of those that have been set aside, else what begins or ends is set aside,
-/// and what is written here does not count. Trial: stops before the Coulomb limit and leaves its input (Block::t); with
-/// Ends it goes on, and leaves a limit that none exceeds.
+/// Which contacts may begin or end in this step, or have begun a few steps ago, by the speed before it: one branch that
+/// waits for no force. One that is missed acts as one that goes on.
+template <class S, bool Friction, bool Multi>
+TALUS_INLINE typename S::M near_ends(const LinearBlock<S, Friction, Multi>& in, typename S::B delta, typename S::B vn,
+                                     typename S::B predicted) {
+  const auto since = in.closing * vn, until = in.parting * vn;
+  const auto reach = S::select(S::lt(since, until), until, since);
+  // one that begins has no prediction
+  return S::lt(delta, in.a.recall != 0 ? S::select(lacks_prediction<S>(predicted), S::set(1e300), reach) : reach);
+}
+
+/// Forces of S::W contacts from k on. Ends: of those that have been set aside, else what may begin or end is set aside,
+/// and exerts nothing here. Trial: stops before the Coulomb limit and leaves its input (Block::t); with Ends it goes
+/// on, and leaves a limit that none exceeds.
 template <class S, bool Friction, bool Multi, bool Energy, bool Trial, bool Ends>
-TALUS_INLINE void linear_contacts(const LinearBlock<S, Friction, Multi>& in, int k, SetAside* aside) {
+TALUS_INLINE void linear_contacts(const LinearBlock<S, Friction, Multi>& in, int k, LateContacts*& aside,
+                                  std::int32_t first) {
   using B = typename S::B;
   using In = LinearBlock<S, Friction, Multi>;
   const LawArgs a = in.a;
@@ -93,6 +107,15 @@ TALUS_INLINE void linear_contacts(const LinearBlock<S, Friction, Multi>& in, int
   const B mass = S::load(b.r[In::k_mass] + k);  // its inverse
   const B n[3] = {x[0] * inv, x[1] * inv, x[2] * inv};
   const B vn = (v[0] * n[0] + v[1] * n[1]) + v[2] * n[2];
+  const B predicted = a.recall != 0 ? S::load(b.h_in[In::k_recall] + k) : zero;
+  [[maybe_unused]] auto ends = S::lt(delta, zero);
+  if constexpr (!Ends) {
+    if (in.looks) {
+      ends = near_ends<S>(in, delta, vn, predicted);
+      if (S::any(ends)) [[unlikely]]
+        set_aside<Friction, Multi>(aside, b, k, S::bits(ends), a.recall != 0, first);
+    }
+  }
   LinearFactors<S> f = in.shared;
   if (!in.constant) {
     const B root = a.by_restitution != 0 ? S::sqrt(c.kn * mass) : one;
@@ -101,9 +124,8 @@ TALUS_INLINE void linear_contacts(const LinearBlock<S, Friction, Multi>& in, int
   MidNormal<S> mid;
   if (Friction || a.recall != 0) mid.set(v, n, vn, inv, a.dt, a.synchronised);
   const B spring_force = c.kn * delta;
-  B vd = vn, arc = zero, predicted = zero;  // vd: velocity that the dashpot sees
+  B vd = vn, arc = zero;  // vd: velocity that the dashpot sees
   if (a.recall != 0) {
-    predicted = S::load(b.h_in[In::k_recall] + k);
     if constexpr (Ends) {
       if (in.weighs) arc = mid.arc(vn, a.dt);
       vd = dashpot_velocity<S>(vn, mid, predicted, spring_force, mass, delta, a.dt, arc);
@@ -117,22 +139,7 @@ TALUS_INLINE void linear_contacts(const LinearBlock<S, Friction, Multi>& in, int
   B fn = f.spring_n * delta - f.rate_n * (meff * vd), next = vn + dt * (fn * mass);
   [[maybe_unused]] ContactEnd<S> end{};
   [[maybe_unused]] ImpulseWeights<S> weights{one, one, zero};
-  if constexpr (!Ends) {
-    if (in.looks) {
-      const B way = in.onward * vn;
-      if (a.recall != 0) {  // a contact that begins has no prediction; nor have two fixed grains, which need none
-        const B until = in.apart * (next + (vn - mid.along)), reach = S::select(S::lt(way, until), until, way);
-        const auto ends = S::lt(delta, S::select(lacks_prediction<S>(predicted), S::set(1e300) * mass, reach));
-        if (S::any(ends)) [[unlikely]]
-          aside->template take<Friction, Multi>(b, k, S::bits(ends), true);
-      } else {
-        const B step = S::abs(vn) * dt;
-        const auto ends = S::lt(delta, S::select(S::lt(way, step), step, way));
-        if (S::any(ends)) [[unlikely]]
-          aside->template take<Friction, Multi>(b, k, S::bits(ends), false);
-      }
-    }
-  } else if (in.weighs) {
+  if (Ends && in.weighs) {
     if (a.recall != 0)
       end.set(delta, vn, S::abs(vn) * dt, dt * next, arc, lacks_prediction<S>(predicted), a.start);
     else
@@ -215,6 +222,11 @@ TALUS_INLINE void linear_contacts(const LinearBlock<S, Friction, Multi>& in, int
       early_slip<S>(f, meff, early, slid, limit, before, t, c.kt, h, g);
     }
     if constexpr (Trial && !Ends) {
+      if (S::any(ends)) [[unlikely]] {
+        for (B& force : g) force = S::select(ends, zero, force);
+        fn = S::select(ends, zero, fn);
+        c.kn = S::select(ends, zero, c.kn);
+      }
       for (int p = 0; p < 3; ++p) {
         S::store(b.h[p] + k, h[p]);
         S::store(b.r[p] + k, g[p]);
@@ -268,19 +280,29 @@ TALUS_INLINE void linear_contacts(const LinearBlock<S, Friction, Multi>& in, int
 
 /// What has been set aside. Not inlined: its registers would be taken from the other contacts.
 template <class S, bool Friction, bool Multi, bool Energy, bool Trial>
-[[gnu::noinline]] void linear_ends(const Block& b, const LawArgs& a, SetAside& aside) {
-  const LinearBlock<S, Friction, Multi> in(aside.block<S>(b), a);
-  for (int k = 0; k < aside.n; k += S::W) linear_contacts<S, Friction, Multi, Energy, Trial, true>(in, k, nullptr);
-  aside.put_back<Friction, Energy, Trial>(b, a.recall != 0);
+[[gnu::noinline]] double linear_ends(LateContacts& of, const LawArgs& a) {
+  const LinearBlock<S, Friction, Multi> in(late_block<S>(of), a);
+  LateContacts* none = nullptr;
+  for (int k = 0; k < of.n; k += S::W) linear_contacts<S, Friction, Multi, Energy, Trial, true>(in, k, none, 0);
+  double back[S::W];
+  S::store(back, in.shared.back);
+  return back[0];
 }
 
 /// Returns 1/(k_t shrink) of one material pair.
 template <class S, bool Friction, bool Multi, bool Energy, bool Trial>
 double linear_force(const Block& b, const LawArgs& a) {
   const LinearBlock<S, Friction, Multi> in(b, a);
-  SetAside aside;
-  for (int k = 0; k < in.b.n; k += S::W) linear_contacts<S, Friction, Multi, Energy, Trial, false>(in, k, &aside);
-  if (aside.n > 0) linear_ends<S, Friction, Multi, Energy, Trial>(b, a, aside);
+  LateContacts own;  // its columns are written as far as they are read
+  own.n = 0;
+  const bool leaves = Trial && b.late != nullptr;
+  LateContacts* aside = leaves ? b.late : &own;
+  const std::int32_t first = leaves ? b.first : 0;
+  for (int k = 0; k < in.b.n; k += S::W) linear_contacts<S, Friction, Multi, Energy, Trial, false>(in, k, aside, first);
+  if (own.n > 0) {
+    linear_ends<S, Friction, Multi, Energy, Trial>(own, a);
+    put_back<Friction, Energy, Trial>(own, b, a.recall != 0);
+  }
   if constexpr (!Trial) return 0;
   double back[S::W];
   S::store(back, in.shared.back);
@@ -296,6 +318,12 @@ void force(Linear, Block& b, const LawArgs& a) {
 template <class S>
 double linear_trial(Block& b, const LawArgs& a) {
   return linear_force<S, true, false, false, true>(b, a);
+}
+
+/// KernelTable::late.
+template <class S>
+double linear_late(LateContacts& of, const LawArgs& a) {
+  return linear_ends<S, true, false, false, true>(of, a);
 }
 
 /// KernelTable::scatter_limited.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "scheduler/nodes/add_ons.hpp"
+#include "scheduler/nodes/late_contacts.hpp"
 #include "scheduler/nodes/shaped_contacts.hpp"
 
 namespace talus {
@@ -110,6 +111,13 @@ void ContactBlocks::settle_history() {
   keep_history();
 }
 
+void ContactBlocks::put_history(const LateContacts& late) {
+  for (int q = 0; q < rules_.has.law_columns; ++q) {
+    double* to = (c_.contacts.run_count == 0 ? c_.contacts.h[q] : c_.scratch->h[q]).data();
+    for (int k = 0; k < late.n; ++k) to[late.at[k]] = late.h[q][k];
+  }
+}
+
 void ContactBlocks::keep_history() {
   if (c_.contacts.run_count == 0) return;
   for (int q = 0; q < rules_.has.law_columns; ++q) std::swap(c_.contacts.h[q], c_.scratch->h[q]);
@@ -160,8 +168,9 @@ Block ContactBlocks::gather(std::int64_t k0, BlockBuffers& buffers) {
   return b;
 }
 
-Block ContactBlocks::evaluate(std::int64_t k0, BlockBuffers& buffers) {
+Block ContactBlocks::evaluate(std::int64_t k0, BlockBuffers& buffers, LateList* late) {
   Block b = gather(k0, buffers);
+  if (late != nullptr) late->offer(b, k0);
   rules_.kernels->law[rules_.law.variant](b, law_);
   if (shaped_ != nullptr) shaped_->settle(b);
   if (rules_.has.moments || rules_.has.cohesion) evaluate_add_ons(rules_, rows_, moment_, c_, k0, b, buffers);

@@ -31,6 +31,7 @@ struct BlockBuffers {
 /// Sets what the gather pass prefetches: rows and history of the block behind the one from contact k0 on.
 void prefetch_next(const Rules& rules, const Rows& rows, const Chunk& c, std::int64_t k0, GatherArgs& g);
 
+class LateList;
 class ShapedContacts;
 
 class ContactBlocks {
@@ -40,12 +41,14 @@ class ContactBlocks {
   ~ContactBlocks();
   /// Gathers the contacts from k0 on, at most k_block. Blocks have to be asked for in ascending order.
   Block gather(std::int64_t k0, BlockBuffers& buffers);
-  /// The same, and evaluates the law; forces are in the returned block's r.
-  Block evaluate(std::int64_t k0, BlockBuffers& buffers);
+  /// The same, and evaluates the law; forces are in the returned block's r, but for those that go to late.
+  Block evaluate(std::int64_t k0, BlockBuffers& buffers, LateList* late = nullptr);
   const LawArgs& law() const noexcept { return law_; }                     ///< of the present step
   const ShapedContacts* shaped() const noexcept { return shaped_.get(); }  ///< of the last block; null: spheres alone
   /// After the last block: what the laws have written becomes the chunk's history.
   void keep_history();
+  /// History of contacts that were computed apart from their blocks, to its place in the chunk.
+  void put_history(const LateContacts& late);
   /// Brings the chunk's history into the present order (tests that permute contacts need it so).
   void settle_history();
 

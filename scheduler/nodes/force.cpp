@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 
 #include "scheduler/nodes/add_ons.hpp"
 #include "scheduler/nodes/contact_blocks.hpp"
+#include "scheduler/nodes/late_contacts.hpp"
 #include "scheduler/nodes/shaped_contacts.hpp"
 
 namespace talus {
@@ -49,6 +51,8 @@ void force_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Colum
     blocks.settle_history();
     rules.hooks.reorder(rules.has.history_columns, c, both_from, both_to, false);
   }
+  std::optional<LateList> late;
+  if (rules.law.late) late.emplace(c);
   ahead.spread_over(total);
   for (std::int64_t k0 = 0; k0 < total; k0 += k_block) {
     ahead.prefetch();
@@ -58,6 +62,7 @@ void force_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Colum
     const ScatterArgs to_rows{f, s.ci.data() + k0, s.cj.data() + k0, n, from, to, buffers.r};
     if (rules.law.trial) {
       Block b = blocks.gather(k0, buffers);
+      late->offer(b, k0);
       const double back = rules.kernels->trial(b, blocks.law());
       rules.kernels->scatter_limited(LimitArgs{to_rows,
                                                buffers.t,
@@ -66,7 +71,7 @@ void force_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Colum
                                                back});
       continue;
     }
-    const Block b = blocks.evaluate(k0, buffers);
+    const Block b = blocks.evaluate(k0, buffers, late ? &*late : nullptr);
     if (blocks.shaped() != nullptr)
       blocks.shaped()->scatter(to_rows, b);
     else
@@ -76,6 +81,7 @@ void force_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Colum
                                             s.cj.data() + k0, n, from, to, buffers.s});
     if (rules.has.energies) scatter_energy(energy, s.ci.data() + k0, s.cj.data() + k0, n, from, to, buffers.e);
   }
+  if (late) late->add(rules, blocks, f, both_from, both_to);
   blocks.keep_history();
   // the history goes back into list order: only the order of the sums was wrong
   if (rules.hooks.reorder != nullptr) rules.hooks.reorder(rules.has.history_columns, c, both_from, both_to, true);

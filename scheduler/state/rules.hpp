@@ -30,6 +30,7 @@ struct Features {
 struct LawRules {
   const LawInfo* info = nullptr;
   int variant = 0;
+  bool late = false;                       ///< contacts that begin or end act behind all others (Block::late)
   bool trial = false;                      ///< the Coulomb limit is applied by the scatter (KernelTable::trial)
   std::vector<PairParameters> parameters;  ///< particle pairs, and walls (same table: walls are materials)
   LawArgs args{};

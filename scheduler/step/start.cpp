@@ -59,8 +59,9 @@ void set_law(Rules& rules) {
   const Scene& scene = rules.scene;
   const Features& h = rules.has;
   rules.law.variant = law_index(*rules.law.info, h.rotation, h.materials, h.energies);
-  rules.law.trial = rules.law.info->trial && scene.contact.friction && scene.contact.sliding == Sliding::series &&
-                    !h.materials && !h.energies && !h.moments && !h.cohesion && !h.superquadrics;
+  rules.law.late = rules.law.info->trial && scene.contact.friction && scene.contact.sliding == Sliding::series &&
+                   !h.materials && !h.moments && !h.cohesion && !h.superquadrics;
+  rules.law.trial = rules.law.late && !h.energies;  // the order of the sums is the same with and without energies
   if (h.superquadrics) rules.law.solver = solver_of(*rules.kernels);
   rules.law.parameters = pair_parameters(scene);
   rules.law.args.one = rules.law.parameters[0];

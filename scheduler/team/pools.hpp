@@ -37,11 +37,12 @@ struct Scratch {
   bool clean = false;
   Column<HistoryRun> runs;          ///< where the contacts' history of the last step is; the chunk's run_count of them
   Column<double> h[k_max_columns];  ///< history of the present step, swapped with the chunk's where contacts have moved
-  std::vector<std::int32_t> wall_near;  ///< elements that a row can touch
-  Column<double> m;                     ///< moment rows {M, 0} of the chunk: rolling and twisting only
-  Column<std::uint8_t> before;          ///< touch bits of the last step: where add_ons.cpp carries history
-  Column<double> depth;                 ///< overlap over the inner radius; -1: of spheres. Superquadrics only
-  std::shared_ptr<ShapedLanes> lanes;   ///< superquadrics only
+  std::vector<std::unique_ptr<LateContacts>> late;  ///< contacts that begin or end in the step; linear law only
+  std::vector<std::int32_t> wall_near;              ///< elements that a row can touch
+  Column<double> m;                                 ///< moment rows {M, 0} of the chunk: rolling and twisting only
+  Column<std::uint8_t> before;                      ///< touch bits of the last step: where add_ons.cpp carries history
+  Column<double> depth;                ///< overlap over the inner radius; -1: of spheres. Superquadrics only
+  std::shared_ptr<ShapedLanes> lanes;  ///< superquadrics only
 };
 
 /// Pool of scratch buffers. Every thread gets back the one it gave, which lies in its caches; the rest is last in first

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "core/base/rng.hpp"
@@ -396,7 +398,8 @@ TEST(Scatter, AddsEveryRowsTermsInListOrder) {
   EXPECT_GT(both_ways, 1000);
 }
 
-// The engine takes the trial wherever it may (LawRules::trial): the limit must not leave a trace of where it was applied.
+// The engine takes the trial wherever it may (LawRules::trial): the limit must not leave a trace of where it was
+// applied.
 TEST(Law, TrialWithLimitedScatterGivesTheBitsOfLawAndScatter) {
   int sliding = 0, sticking = 0;
   for (int variant = 0; variant < 32; ++variant) {
@@ -425,6 +428,83 @@ TEST(Law, TrialWithLimitedScatterGivesTheBitsOfLawAndScatter) {
   }
   EXPECT_GT(sliding, 1000) << "both must occur, or half of it is not tested";
   EXPECT_GT(sticking, 1000);
+}
+
+/// Two parts of a list of late contacts, the first nearly full.
+struct LateParts {
+  std::unique_ptr<LateContacts> part[2] = {std::make_unique<LateContacts>(), std::make_unique<LateContacts>()};
+  static constexpr int k_full = k_block - 3, k_first = 1000;
+  explicit LateParts(Block& b) {
+    part[0]->n = k_full;
+    part[0]->next = part[1].get();
+    b.late = part[0].get();
+    b.first = k_first;
+  }
+  int count() const { return part[0]->n - k_full + part[1]->n; }
+  /// The q-th that has been added: its list and its place there.
+  std::pair<LateContacts*, int> at(int q) const {
+    return q < 3 ? std::pair{part[0].get(), k_full + q} : std::pair{part[1].get(), q - 3};
+  }
+};
+
+// Where contacts that begin or end leave their block, they have the forces and histories that they have in it.
+TEST(Law, LateContactsHaveTheBitsThatTheyHaveInTheirBlock) {
+  const LawInfo& info = law_info(ContactModel::linear);
+  int late = 0, others = 0;
+  for (int variant = 0; variant < 32; ++variant) {
+    LawArgs a = law_args(ContactModel::linear, variant);
+    a.balanced = 0;
+    for (const int n : {7, 61, 128})
+      for (const Isa isa : available_isas()) {
+        const KernelTable& k = select_kernels(isa);
+        Batch b = make_batch(n, true, 900 + static_cast<std::uint64_t>(variant));
+        const Output in_block = run_law(k, b, n, info, true, false, true, a);
+        ReadyBlock law(k, b, n, info, true), trial(k, b, n, info, true);
+        const LateParts by_law(law.block), by_trial(trial.block);
+        k.law[law_index(info, true, false, true)](law.block, a);
+        k.trial(trial.block, a);
+        ASSERT_EQ(by_law.count(), by_trial.count());
+        std::vector<bool> is_late(static_cast<std::size_t>(n));
+        for (int part = 0; part < 2; ++part) {
+          LateContacts& of = *by_trial.part[part];
+          const double back = of.n > 0 ? k.late(of, a) : 0;
+          std::vector<double> f(static_cast<std::size_t>(8 * k_block + 8));
+          std::vector<std::int32_t> own(k_block + k_pad);
+          std::iota(own.begin(), own.end(), 0);
+          k.scatter_limited(LimitArgs{{f.data(), own.data(), own.data(), of.n, 0, 0, of.r},
+                                      of.t,
+                                      a.contact_lever != 0 ? of.g[3] : nullptr,
+                                      {of.h[0], of.h[1], of.h[2]},
+                                      back});
+          for (int q = part == 0 ? LateParts::k_full : 0; q < of.n; ++q)
+            for (int c = 0; c < 7; ++c)
+              ASSERT_EQ(f[static_cast<std::size_t>(8 * q + c)],
+                        in_block.r[c][static_cast<std::size_t>(of.at[q] - LateParts::k_first)]);
+        }
+        for (int q = 0; q < by_law.count(); ++q) {
+          const auto [laws, w] = by_law.at(q);
+          const auto [trials, u] = by_trial.at(q);
+          ASSERT_EQ(laws->at[w], trials->at[u]);
+          const auto s = static_cast<std::size_t>(laws->at[w] - LateParts::k_first);
+          is_late[s] = true;
+          for (int c = 0; c < 8; ++c) {
+            ASSERT_EQ(laws->r[c][w], in_block.r[c][s]);
+            ASSERT_EQ(law.r[c][s], 0) << "in both places";
+          }
+          for (int c = 0; c < info.history + a.recall; ++c) ASSERT_EQ(trials->h[c][u], in_block.h[c][s]);
+        }
+        for (std::size_t s = 0; s < static_cast<std::size_t>(n); ++s) {
+          for (int c = 0; c < info.history + a.recall; ++c) ASSERT_EQ(law.h[c][s], in_block.h[c][s]);
+          for (int c = 0; c < 3; ++c) ASSERT_EQ(law.e[c][s], in_block.e[c][s]);
+          for (int c = 0; c < 8 && !is_late[s]; ++c) ASSERT_EQ(law.r[c][s], in_block.r[c][s]);
+          for (const int c : {0, 1, 2, 3, 7})
+            if (is_late[s]) ASSERT_EQ(trial.r[c][s], 0) << "in both places";
+          ++(is_late[s] ? late : others);
+        }
+      }
+  }
+  EXPECT_GT(late, 1000);
+  EXPECT_GT(others, 1000);
 }
 
 struct NarrowResult {
