@@ -8,21 +8,23 @@ void Step<S>::react() {
   const B zero = S::set(0), one = S::set(1);
   for (int i = 0; i < n; ++i) st(w_.heat, i, zero);
   for (int s = 0; s < m.solids; ++s)
-    if (m.grows[s] != 0)
-      for (int i = 0; i < n; ++i) st(part(w_.made, s), i, zero);
+    if (grows(s))
+      for (int i = 0; i < n; ++i) st(made(s), i, zero);
   for (int s = 0; s < m.solids; ++s) {
-    double *x = mass(s), *gone = part(w_.gone, s);
-    const double* made = part(w_.made, s);
-    const bool grows = m.grows[s] != 0;
+    double* x = mass(s);
+    const bool grown = grows(s);
+    const double* more = grown ? made(s) : x;
     if (!turns(s)) {
-      if (grows)
-        for (int i = 0; i < n; ++i) st(x, i, ld(x, i) + ld(made, i));
+      if (grown)
+        for (int i = 0; i < n; ++i) st(x, i, ld(x, i) + ld(more, i));
       continue;
     }
-    const double *per = part(w_.per, s), *grow = part(w_.grow, s), *released = part(w_.released, s);
+    const int place = m.turns[s];
+    double* gone = part(w_.gone, place);
+    const double *per = part(w_.per, place), *grow = part(w_.grow, place), *released = part(w_.released, place);
     for (int i = 0; i < n; ++i) {
       B there = ld(x, i);
-      if (grows) there = there + ld(made, i);
+      if (grown) there = there + ld(more, i);
       const B lost = clamped<S>(ld(gone, i) * (one + ld(grow, i) * (ld(w_.next, i) - ld(T_, i))), zero, there);
       st(x, i, there - lost);
       st(gone, i, lost);
@@ -95,20 +97,24 @@ void Step<S>::book() {
     mean = mean + c * T1;
   }
   put(k_out_mean, mean / all);
-  double *after = w_.flow, *h1 = w_.inverse;
   for (int q = 0; q < k_bed_kinds; ++q) {
     if (m.present[q] == 0) continue;
-    sum_kind(q, after);
-    evaluate<S, false, true>(m.capacity[q], w_.next, n, nullptr, h1);
-    const double *before = part(w_.before, q), *h0 = part(w_.sensible, q);
+    const double *before = part(w_.before, q), *h0 = part(w_.sensible, q), *after = of_kind(q, w_.flow);
     const B base = S::set(m.sensible0[q]);
     B sum = zero, gone = zero;
-    for (int i = 0; i < n; ++i) {
-      const B a = ld(before, i), b = ld(after, i), x = ld(h0, i), y = ld(h1, i);
-      st(debt, i, ld(debt, i) - half * (a + b) * (y - x));
-      gone = gone + (a - b) * (half * (x + y) - base);
-      sum = sum + b;
-    }
+    if (m.changes[q] != 0)
+      each<S, false, true>(m.capacity[q], w_.next, n, nullptr, w_.inverse, [&](int i, B, B y) {
+        const B a = ld(before, i), b = ld(after, i), x = ld(h0, i);
+        st(debt, i, ld(debt, i) - half * (a + b) * (y - x));
+        gone = gone + (a - b) * (half * (x + y) - base);
+        sum = sum + b;
+      });
+    else
+      each<S, false, true>(m.capacity[q], w_.next, n, nullptr, w_.inverse, [&](int i, B, B y) {
+        const B b = ld(after, i);
+        st(debt, i, ld(debt, i) - b * (y - ld(h0, i)));
+        sum = sum + b;
+      });
     with_gas_ = with_gas_ + gone;
     put(k_out_moisture + q, sum);
   }

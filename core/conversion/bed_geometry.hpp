@@ -47,6 +47,29 @@ void evaluate(const BedProperty& p, const double* T, int n, double* value, doubl
     }
   }
 }
+/// take(i, value, integral) for each shell. What most matter has, a constant or one straight line, goes without arrays
+/// on the way; the others leave value and integral in `values` and `integrals` first. Same operations.
+template <class S, bool Value, bool Integral, class F>
+TALUS_SHAPES_INLINE void each(const BedProperty& p, const double* T, int n, double* values, double* integrals, F take) {
+  using B = typename S::B;
+  const B first = S::set(p.first);
+  if (p.pieces == 0) {
+    for (int i = 0; i < n; ++i) take(i, first, first * S::load(T + S::W * i));
+  } else if (p.pieces == 1 && p.piece->powers == 1) {
+    const BedPiece& a = *p.piece;
+    const B low = S::set(a.low), high = S::set(a.high), slope = S::set(*a.power), area = S::set(*a.area);
+    for (int i = 0; i < n; ++i) {
+      const B t = S::load(T + S::W * i), x = least<S>(most<S>(t, low), high) - low, rise = slope * x;
+      B integral = first;
+      if constexpr (Integral) integral = first * t + (area * x * x + rise * (most<S>(t, high) - high));
+      take(i, first + rise, integral);
+    }
+  } else {
+    evaluate<S, Value, Integral>(p, T, n, values, integrals);
+    for (int i = 0; i < n; ++i)
+      take(i, Value ? S::load(values + S::W * i) : first, Integral ? S::load(integrals + S::W * i) : first);
+  }
+}
 template <class S>
 typename S::B integral(const BedProperty& p, typename S::B T) {
   alignas(64) double at[S::W], h[S::W];
@@ -191,8 +214,8 @@ TALUS_SHAPES_INLINE CharGas<S> yield_of(const BedChar& r, typename S::B T) {
           S::set((110.5e3 - 241.8e3) * per_kg)};
 }
 
-/// Working arrays of a vector, [..][shell][lane]: of the shells; by kind (sensible, before, specific); by solid (made,
-/// gone, per, grow, released); by reaction; `total`: extents of the reactions over all shells.
+/// Working arrays of a vector, [..][shell][lane]: of the shells; by kind (sensible, before, specific); by solid that
+/// something makes (made) or consumes (gone, per, grow, released); by reaction; `total`: extents of the reactions over all shells.
 template <class S>
 struct Work {
   BedRow place;
@@ -210,7 +233,8 @@ struct Work {
          {&capacity, &conductance, &drying, &heat, &slope, &flow, &plateau, &sink, &next, &upper, &inverse})
       *x = take(1);
     for (double** x : {&sensible, &before, &specific}) *x = take(k_bed_kinds);
-    for (double** x : {&made, &gone, &per, &grow, &released}) *x = take(m.solids);
+    made = take(m.growing);
+    for (double** x : {&gone, &per, &grow, &released}) *x = take(m.turning);
     burning = take(m.chars);
     rate = take(m.reactions);
     total = from;

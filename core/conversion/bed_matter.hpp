@@ -83,7 +83,10 @@ struct BedMatter {
   double fuel_density, moisture_density;          ///< of the initial grain [kg/m3]
   double per_fuel_density, per_moisture_density;  ///< their reciprocals, 0 where there is none
   int first_of_kind[k_bed_kinds + 1];
-  const int* grows;                                       ///< [solid] some reaction makes it
+  const int* turns;                                       ///< [solid] place among those that something consumes, or -1
+  const int* grows;                                       ///< [solid] place among those that a reaction makes, or -1
+  int turning, growing;                                   ///< how many
+  int changes[k_bed_kinds];                               ///< masses of this kind may change
   const int* of_kind;                                     ///< solids by kind
   const double* per_volume;                               ///< [shell] 1 / volume
   int vapour, carbon_monoxide, carbon_dioxide, hydrogen;  ///< gases, or -1

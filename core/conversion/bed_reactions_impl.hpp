@@ -30,14 +30,14 @@ void Step<S>::predict() {
     st(w_.plateau, i, least<S>(flow / ld(w_.capacity, i), hot - t));
   }
   for (int s = 0; s < m.solids; ++s)
-    if (m.grows[s] != 0)
-      for (int i = 0; i < n; ++i) st(part(w_.made, s), i, zero);
+    if (grows(s))
+      for (int i = 0; i < n; ++i) st(made(s), i, zero);
   for (int s = 0; s < m.solids; ++s)
     if (turns(s)) predict(s);
   for (int s = 0; s < m.solids; ++s)  // the capacity is that of the mean of both ends
-    if (m.grows[s] != 0 && !turns(s)) {
-      const double *made = part(w_.made, s), *c = part(w_.specific, m.kind[s]);
-      for (int i = 0; i < n; ++i) st(w_.capacity, i, ld(w_.capacity, i) + S::set(0.5) * ld(c, i) * ld(made, i));
+    if (grows(s) && !turns(s)) {
+      const double *more = made(s), *c = part(w_.specific, m.kind[s]);
+      for (int i = 0; i < n; ++i) st(w_.capacity, i, ld(w_.capacity, i) + S::set(0.5) * ld(c, i) * ld(more, i));
     }
   if (m.carries != 0)
     for (int i = 1; i < n; ++i) st(w_.flow, i, ld(w_.flow, i) + ld(w_.flow, i - 1));
@@ -48,23 +48,25 @@ void Step<S>::predict(int s) {
   const B zero = S::set(0), one = S::set(1), tiny = S::set(1e-100), still = S::set(m.still[s]), half = S::set(0.5);
   double* K = w_.upper;
   rates(s, K);
-  double *gone = part(w_.gone, s), *per = part(w_.per, s), *grow = part(w_.grow, s), *released = part(w_.released, s);
-  const double *start = mass(s), *made = part(w_.made, s), *c = part(w_.specific, m.kind[s]);
-  const bool wet = dries(s), char_burns = burns(s), grows = m.grows[s] != 0;
+  const int place = m.turns[s];
+  double *gone = part(w_.gone, place), *per = part(w_.per, place);
+  double *grow = part(w_.grow, place), *released = part(w_.released, place);
+  const bool wet = dries(s), char_burns = burns(s), grown = grows(s);
+  const double *start = mass(s), *more_of = grown ? made(s) : start, *c = part(w_.specific, m.kind[s]);
   for (int i = 0; i < n; ++i) {
     const B k = ld(K, i);
     if (!S::any(S::gt(k, zero))) {
       st(gone, i, zero), st(per, i, zero), st(grow, i, zero), st(released, i, zero);
-      if (grows) st(w_.capacity, i, ld(w_.capacity, i) + half * ld(c, i) * ld(made, i));
+      if (grown) st(w_.capacity, i, ld(w_.capacity, i) + half * ld(c, i) * ld(more_of, i));
       continue;
     }
     const B t = ld(T_, i), some = most<S>(k, tiny), above = t - still, over = most<S>(above, one);
     const B both = one / (some * over);  // one division for two reciprocals
     const B left = exponential<S>(zero - k), p = both * over;
     B lost = ld(start, i) * (one - left);
-    if (grows) {
+    if (grown) {
       const B small = one - k * (half - k * (S::set(1.0 / 6) - k * S::set(1.0 / 24)));
-      const B mean = S::select(S::lt(k, S::set(1e-3)), small, (one - left) * p), more = ld(made, i);
+      const B mean = S::select(S::lt(k, S::set(1e-3)), small, (one - left) * p), more = ld(more_of, i);
       lost = lost + more * (one - mean);
       st(w_.capacity, i, ld(w_.capacity, i) - half * ld(c, i) * (lost - more));
     } else {
@@ -94,7 +96,7 @@ void Step<S>::predict(int s) {
       rises = S::select(takes, most<S>(rise * inverse * p * depletion, chord), zero);
       // and no more than there is where the shell warms up nevertheless, by the flows of the start: heat that finds
       // nothing to react would come back as debt
-      const B there = grows ? ld(start, i) + ld(made, i) : ld(start, i);
+      const B there = grown ? ld(start, i) + ld(more_of, i) : ld(start, i);
       const B warms = ld(w_.plateau, i) + share * q / ld(w_.capacity, i);
       const B limit = (there - lost) / most<S>(lost * warms, tiny);
       rises = S::select(S::gt(warms, zero), least<S>(rises, limit), rises);
@@ -106,7 +108,8 @@ void Step<S>::predict(int s) {
     st(gone, i, lost), st(per, i, p), st(grow, i, rises), st(released, i, q);
     st(w_.heat, i, ld(w_.heat, i) + share * q);
   }
-  for (int r = m.first[s]; r < m.first[s + 1]; ++r) products(m.reaction[r], part(w_.rate, r), gone, per);
+  for (int r = m.first[s]; r < m.first[s + 1]; ++r)
+    if (m.reaction[r].solids > 0) products(m.reaction[r], part(w_.rate, r), gone, per);
   if (m.carries != 0) {
     for (int r = m.first[s]; r < m.first[s + 1]; ++r)
       for (int i = 0; i < n; ++i)
@@ -156,11 +159,11 @@ typename S::B Step<S>::products(const BedReaction& a, const double* rate, const 
     return total;
   }
   for (int y = 0; y < a.solids; ++y) {
-    double* made = part(w_.made, a.solid[y].species);
+    double* more = made(a.solid[y].species);
     const B yield = S::set(a.solid[y].mass);
     for (int i = 0; i < n; ++i) {
       const B x = ld(gone, i) * ld(per, i) * ld(rate, i);
-      st(made, i, ld(made, i) + yield * x);
+      st(more, i, ld(more, i) + yield * x);
       if (y == 0) total = total + x;
     }
   }

@@ -68,12 +68,15 @@ class Step {
   B burnt(int i) const { return m.chars > 0 ? ld(cell(place_.burnt), i) : S::set(0); }
   bool burns(int s) const { return m.kind[s] == 2 && m.chars > 0; }
   bool dries(int s) const { return m.dries != 0 && s == m.moisture; }
-  bool turns(int s) const { return m.first[s] < m.first[s + 1] || burns(s) || dries(s); }
+  bool turns(int s) const { return m.turns[s] >= 0; }
+  bool grows(int s) const { return m.grows[s] >= 0; }
+  double* made(int s) const { return part(w_.made, m.grows[s]); }
+  /// Masses of a kind by shell; `to` is filled where it has several solids.
+  const double* of_kind(int q, double* to) const;
 
   // bed_surface_impl.hpp
   /// Masses by kind, heat capacities, sensible heats.
   void capacities();
-  void sum_kind(int q, double* to) const;
   /// Conductances of the inner faces and the grain's size. A face follows the volume within it by one step of Newton
   /// from the step before: its error is the square of a step's relative change.
   void geometry();

@@ -9,22 +9,27 @@ void Step<S>::capacities() {
   for (int i = 0; i < n; ++i) st(w_.capacity, i, S::set(1e-300));
   for (int q = 0; q < k_bed_kinds; ++q) {
     if (m.present[q] == 0) continue;
-    double *before = part(w_.before, q), *c = part(w_.specific, q);
-    sum_kind(q, before);
-    evaluate<S, true, true>(m.capacity[q], T_, n, c, part(w_.sensible, q));
-    for (int i = 0; i < n; ++i) st(w_.capacity, i, ld(w_.capacity, i) + ld(before, i) * ld(c, i));
+    double *before = part(w_.before, q), *specific = part(w_.specific, q), *sensible = part(w_.sensible, q);
+    const double* masses = of_kind(q, before);
+    each<S, true, true>(m.capacity[q], T_, n, specific, sensible, [&](int i, B c, B h) {
+      const B x = ld(masses, i);
+      st(before, i, x), st(specific, i, c), st(sensible, i, h);
+      st(w_.capacity, i, ld(w_.capacity, i) + x * c);
+    });
   }
 }
 
 template <class S>
-void Step<S>::sum_kind(int q, double* to) const {
+const double* Step<S>::of_kind(int q, double* to) const {
   const int from = m.first_of_kind[q], end = m.first_of_kind[q + 1];
   const double* first = mass(m.of_kind[from]);
+  if (end - from == 1) return first;
   for (int i = 0; i < n; ++i) st(to, i, ld(first, i));
   for (int k = from + 1; k < end; ++k) {
     const double* x = mass(m.of_kind[k]);
     for (int i = 0; i < n; ++i) st(to, i, ld(to, i) + ld(x, i));
   }
+  return to;
 }
 
 template <class S>
@@ -32,7 +37,7 @@ void Step<S>::geometry() {
   double* lambda[4] = {w_.heat, w_.slope, w_.flow, w_.next};  // free until later passes
   for (int q = 0; q < 4; ++q)
     if (q == 1 || (q == 0 && m.moisture_density > 0) || (q == 2) || (q == 3 && m.chars > 0))
-      evaluate<S, true, false>(m.conductivity[q], T_, n, lambda[q], nullptr);
+      each<S, true, false>(m.conductivity[q], T_, n, lambda[q], nullptr, [&](int i, B k, B) { st(lambda[q], i, k); });
   const B cube = radius0_ * radius0_ * radius0_, per_cube = S::set(1) / cube, zero = S::set(0), one = S::set(1);
   B volume = zero, below = zero, below_area = zero, wide = zero, conducts = one;
   double* faces = cell(place_.face);
