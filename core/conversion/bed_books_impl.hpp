@@ -5,7 +5,7 @@ namespace talus::conversion::bed {
 
 template <class S>
 void Step<S>::react() {
-  const B zero = S::set(0), one = S::set(1);
+  const B zero = S::set(0), one = S::set(1), trace = S::set(m.trace) * (radius0_ * radius0_ * radius0_);
   for (int i = 0; i < n; ++i) st(w_.heat, i, zero);
   for (int s = 0; s < m.solids; ++s)
     if (grows(s))
@@ -20,40 +20,45 @@ void Step<S>::react() {
       continue;
     }
     const int place = m.turns[s];
-    double* gone = part(w_.gone, place);
-    const double *per = part(w_.per, place), *grow = part(w_.grow, place), *released = part(w_.released, place);
+    const double *gone = part(w_.gone, place), *per = part(w_.per, place), *grow = part(w_.grow, place);
+    const double* released = part(w_.released, place);
+    double* share = part(w_.share, place);
     for (int i = 0; i < n; ++i) {
       B there = ld(x, i);
       if (grown) there = there + ld(more, i);
-      const B lost = clamped<S>(ld(gone, i) * (one + ld(grow, i) * (ld(w_.next, i) - ld(T_, i))), zero, there);
+      const B p = ld(per, i);
+      B lost = clamped<S>(ld(gone, i) * (one + ld(grow, i) * (ld(w_.next, i) - ld(T_, i))), zero, there);
+      const auto traces = S::lt(there - lost, trace * S::set(m.volume[i]));
+      lost = S::select(traces, S::select(S::gt(p, zero), there, lost), lost);
       st(x, i, there - lost);
-      st(gone, i, lost);
-      st(w_.heat, i, ld(w_.heat, i) + lost * ld(per, i) * ld(released, i));
+      const B lost_per = lost * p;
+      st(share, i, lost_per);
+      st(w_.heat, i, ld(w_.heat, i) + lost_per * ld(released, i));
     }
     for (int r = m.first[s]; r < m.first[s + 1]; ++r) {
-      S::store(w_.total + S::W * r, products(m.reaction[r], part(w_.rate, r), gone, per));
+      S::store(w_.total + S::W * r, products(m.reaction[r], part(w_.rate, r), share));
       if (m.carries != 0)
         for (int i = 0; i < n; ++i)
-          carried_ = carried_ +
-                     ld(gone, i) * ld(per, i) * ld(part(w_.rate, r), i) * gas_capacity<S>(m, m.reaction[r], ld(T_, i));
+          carried_ = carried_ + ld(share, i) * ld(part(w_.rate, r), i) *
+                                    gas_capacity<S>(m.reaction[r], ld(T_, i), ld(w_.gas, i));
     }
     if (dries(s))
       for (int i = 0; i < n; ++i) {
-        const B vapour = ld(gone, i) * ld(per, i) * ld(w_.drying, i);
+        const B vapour = ld(share, i) * ld(w_.drying, i);
         evaporated_ = evaporated_ + vapour;
-        if (m.carries != 0) carried_ = carried_ + vapour * value<S>(m.gas_capacity, ld(T_, i));
+        if (m.carries != 0) carried_ = carried_ + vapour * ld(w_.gas, i);
       }
     if (burns(s))
-      for (int c = 0; c < m.chars; ++c) burn(c, s, gone, per);
+      for (int c = 0; c < m.chars; ++c) burn(c, s, share);
   }
 }
 
 template <class S>
-void Step<S>::burn(int c, int s, const double* gone, const double* per) {
+void Step<S>::burn(int c, int s, const double* share) {
   const BedChar& r = m.burning[c];
   double* done = cell(place_.burnt);
   for (int i = 0; i < n; ++i) {
-    const B x = ld(gone, i) * ld(per, i) * ld(part(w_.burning, c), i);
+    const B x = ld(share, i) * ld(part(w_.burning, c), i);
     if (!S::any(S::gt(x, S::set(0)))) continue;
     const CharGas<S> y = yield_of<S>(r, ld(T_, i));
     const B carbon = S::set(m.char_carbon) * x;
@@ -87,7 +92,7 @@ void Step<S>::book() {
     }
     from = to;
     B T1 = wanted;
-    if (m.boils != 0) heat = heat - evaporate(i, heat, wanted, T1);
+    if (boils_) heat = heat - evaporate(i, heat, wanted, T1);
     T1 = most<S>(T1, one);
     st(w_.next, i, T1);
     st(debt, i, heat);
@@ -98,7 +103,7 @@ void Step<S>::book() {
   }
   put(k_out_mean, mean / all);
   for (int q = 0; q < k_bed_kinds; ++q) {
-    if (m.present[q] == 0) continue;
+    if (!there_[q]) continue;
     const double *before = part(w_.before, q), *h0 = part(w_.sensible, q), *after = of_kind(q, w_.flow);
     const B base = S::set(m.sensible0[q]);
     B sum = zero, gone = zero;
@@ -133,11 +138,11 @@ typename S::B Step<S>::evaporate(int i, typename S::B heat, typename S::B wanted
   T1 = S::select(boils, S::select(S::lt(part, whole), Tb, moved), S::select(plateau, moved, wanted));
   // a shell that dries out does not become hotter than the system without its plateau lets it
   T1 = S::select(boils, least<S>(T1, most<S>(wanted, Tb)), T1);
-  const B vapour = part * S::set(1 / m.evaporation);
+  const B vapour = part * S::set(m.per_evaporation);
   st(water, i, most<S>(wet - vapour, zero));
   evaporated_ = evaporated_ + vapour;
   reaction_ = reaction_ - part;
-  if (m.carries != 0) carried_ = carried_ + vapour * value<S>(m.gas_capacity, t);
+  if (m.carries != 0) carried_ = carried_ + vapour * ld(w_.gas, i);
   return part;
 }
 

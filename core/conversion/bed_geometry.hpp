@@ -121,18 +121,20 @@ TALUS_SHAPES_INLINE typename S::B arrhenius(double A, double n, double E, typena
   const auto k = S::set(A) * exponential<S>(S::set(-E) * inverse);
   return n == 0 ? k : n == 1 ? k * T : k * power<S>(T, n);
 }
+/// Of the gas that a reaction makes; `gas`: that of any gas.
 template <class S>
-TALUS_SHAPES_INLINE typename S::B gas_capacity(const BedMatter& m, const BedReaction& r, typename S::B T) {
-  return r.own_capacity != 0 ? value<S>(r.gas_capacity, T) : S::set(r.gas_mass) * value<S>(m.gas_capacity, T);
+TALUS_SHAPES_INLINE typename S::B gas_capacity(const BedReaction& r, typename S::B T, typename S::B gas) {
+  return r.own_capacity != 0 ? value<S>(r.gas_capacity, T) : S::set(r.gas_mass) * gas;
 }
-/// Sensible heat of the gas that a reaction makes, less that of the gas that it takes.
+/// Sensible heat of the gas that a reaction makes, less that of the gas that it takes; `gas`: integral for any gas.
 template <class S>
-TALUS_SHAPES_INLINE typename S::B gas_sensible(const BedMatter& m, const BedReaction& r, typename S::B T) {
+TALUS_SHAPES_INLINE typename S::B gas_sensible(const BedMatter& m, const BedReaction& r, typename S::B T,
+                                               typename S::B gas) {
   const bool own = r.own_capacity != 0;
   if (own && r.takes_gas == 0) return integral<S>(r.gas_capacity, T) - S::set(r.own_sensible0);
-  const auto gas = integral<S>(m.gas_capacity, T) - S::set(m.gas_sensible0);
-  if (!own) return S::set(r.gas_mass - r.takes_gas) * gas;
-  return (integral<S>(r.gas_capacity, T) - S::set(r.own_sensible0)) - S::set(r.takes_gas) * gas;
+  const auto rise = gas - S::set(m.gas_sensible0);
+  if (!own) return S::set(r.gas_mass - r.takes_gas) * rise;
+  return (integral<S>(r.gas_capacity, T) - S::set(r.own_sensible0)) - S::set(r.takes_gas) * rise;
 }
 
 template <class S>
@@ -215,13 +217,14 @@ TALUS_SHAPES_INLINE CharGas<S> yield_of(const BedChar& r, typename S::B T) {
 }
 
 /// Working arrays of a vector, [..][shell][lane]: of the shells; by kind (sensible, before, specific); by solid that
-/// something makes (made) or consumes (gone, per, grow, released); by reaction; `total`: extents of the reactions over all shells.
+/// something makes (made) or consumes (gone, per, their product share, grow, released); by reaction; `total`: extents of the reactions over all shells.
 template <class S>
 struct Work {
   BedRow place;
   double *capacity, *conductance, *drying, *heat, *slope, *flow, *plateau, *sink, *next, *upper, *inverse;
+  double *gas, *gas_heat;
   double *sensible, *before, *specific;
-  double *made, *gone, *per, *grow, *released;
+  double *made, *gone, *per, *share, *grow, *released;
   double *burning, *rate, *total;
   Work(const BedMatter& m, double* from) : place(bed_row(m)) {
     const auto take = [&](long columns) {
@@ -230,11 +233,11 @@ struct Work {
       return at;
     };
     for (double** x :
-         {&capacity, &conductance, &drying, &heat, &slope, &flow, &plateau, &sink, &next, &upper, &inverse})
+         {&capacity, &conductance, &drying, &heat, &slope, &flow, &plateau, &sink, &next, &upper, &inverse, &gas, &gas_heat})
       *x = take(1);
     for (double** x : {&sensible, &before, &specific}) *x = take(k_bed_kinds);
     made = take(m.growing);
-    for (double** x : {&gone, &per, &grow, &released}) *x = take(m.turning);
+    for (double** x : {&gone, &per, &share, &grow, &released}) *x = take(m.turning);
     burning = take(m.chars);
     rate = take(m.reactions);
     total = from;

@@ -50,6 +50,7 @@ struct BedTables::Arrays {
 namespace {
 
 constexpr double k_cold_rate = 1e-10;  // [1/s]: in an hour less than a part in a million
+constexpr double k_trace = 1e-15;      // of a shell's first mass: less than its rounding error
 
 int index_or_none(const std::optional<std::size_t>& i) { return i ? static_cast<int>(*i) : -1; }
 
@@ -104,6 +105,7 @@ struct BedBuilder {
       a.compositions.push_back(*x.composition);
       a.density.push_back(m.density * x.initial);
       b.present[kind] = 1;
+      b.trace += k_trace * a.density.back();
       if (x.kind == Kind::fuel) b.fuel_density += a.density.back();
       if (x.kind == Kind::moisture) {
         b.moisture = static_cast<int>(s);
@@ -166,6 +168,9 @@ struct BedBuilder {
     b.convects = m.gas_convection ? 1 : 0;
     b.blows = m.blowing ? 1 : 0;
     b.carries = m.gas_convection || m.blowing || b.secondary < b.reactions ? 1 : 0;
+    b.asks_gas = b.carries;
+    for (const BedReaction& r : a.reactions)
+      if (r.refers != 0) b.asks_gas = 1;
     std::copy(m.emissivity.begin(), m.emissivity.end(), b.emissivity);
     b.porosity = m.porosity;
     b.pores = m.porosity * m.tortuosity_factor;
@@ -174,6 +179,7 @@ struct BedBuilder {
     b.dries = b.moisture >= 0 && equilibrium ? 1 : 0;
     b.boiling = m.drying.temperature;
     b.evaporation = m.drying.heat;
+    b.per_evaporation = 1 / m.drying.heat;
     b.vapour_to_cells = m.drying.to_cells;
     b.char_carbon = m.char_carbon;
     b.char_steam = m.char_steam;
@@ -196,6 +202,7 @@ void count_changes(BedTables::Arrays& a) {
     a.turns.push_back(turns ? b.turning++ : -1);
     a.grows.push_back(made[s] ? b.growing++ : -1);
     if (turns || made[s] || (b.boils != 0 && moist)) b.changes[a.kind[s]] = 1;
+    if (made[s]) b.grown[a.kind[s]] = 1;
   }
 }
 
@@ -214,7 +221,7 @@ BedRow bed_row(const BedMatter& m) {
 }
 
 long bed_work(const BedMatter& m) {
-  return static_cast<long>(m.shells) * (3 * k_bed_kinds + 11 + m.chars + m.reactions + m.growing + 4L * m.turning) + m.reactions;
+  return static_cast<long>(m.shells) * (3 * k_bed_kinds + 13 + m.chars + m.reactions + m.growing + 5L * m.turning) + m.reactions;
 }
 long bed_scratch(const BedMatter& m) { return 8 * (bed_work(m) + bed_row(m).size); }
 

@@ -41,12 +41,13 @@ class Step {
     radius0_ = S::load(cell(place_.radius0));
     surface_ = S::load(cell(place_.surface));
     capacities();
+    boils_ = m.boils != 0 && there_[0];
     geometry();
     judge();
     film();
     if (m.chars > 0 || m.dries != 0) fronts();
     predict();
-    if (m.boils != 0) plateaus();
+    if (boils_) plateaus();
     solve();
     react();
     book();
@@ -73,6 +74,7 @@ class Step {
   double* made(int s) const { return part(w_.made, m.grows[s]); }
   /// Masses of a kind by shell; `to` is filled where it has several solids.
   const double* of_kind(int q, double* to) const;
+  bool holds(int q) const;
 
   // bed_surface_impl.hpp
   /// Masses by kind, heat capacities, sensible heats.
@@ -97,8 +99,12 @@ class Step {
   void rates(int s, double* K);
   /// What becomes of a solid: consumption, heat and its derivative by temperature, products.
   void predict(int s);
+  /// Heat of its reactions and its drying in shell i, weighed by their rates; what they rise with temperature, to rise.
+  B heats(int s, int i, B& rise) const;
+  /// Gas that its reactions send through the shells, into `flow`.
+  void carry(int s, const double* share);
   /// Solids that a reaction makes. Returns its extent over all shells.
-  B products(const BedReaction& a, const double* rate, const double* gone, const double* per);
+  B products(const BedReaction& a, const double* rate, const double* share);
   /// Which shells stay at boiling temperature in this step, and which dry out (a sink), from the flows of its start.
   void plateaus();
 
@@ -110,7 +116,7 @@ class Step {
   /// Masses at the new temperatures; heat that was released, into `heat`.
   void react();
   /// Gas that char reaction c of solid s takes and makes.
-  void burn(int c, int s, const double* gone, const double* per);
+  void burn(int c, int s, const double* share);
   /// Heat that each shell took in, its temperature, and the debt.
   void book();
   /// Water that evaporates at the boiling temperature from the heat that the shell took in; sets its temperature.
@@ -133,6 +139,7 @@ class Step {
   const double* in_ = nullptr;
   double* out_ = nullptr;
   long in_stride_ = 0, stride_ = 0;
+  bool there_[k_bed_kinds] = {}, boils_ = false;  ///< in some lane
   B radius0_, surface_, emissivity_, area_, inner_, mass_film_, surface_gain_, surface_slope_, around_gain_,
       around_loss_, gain_, loss_, heat_in_, carried_, evaporated_, reaction_, with_gas_;
 };

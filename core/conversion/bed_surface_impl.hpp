@@ -8,7 +8,7 @@ template <class S>
 void Step<S>::capacities() {
   for (int i = 0; i < n; ++i) st(w_.capacity, i, S::set(1e-300));
   for (int q = 0; q < k_bed_kinds; ++q) {
-    if (m.present[q] == 0) continue;
+    if (!(there_[q] = holds(q))) continue;
     double *before = part(w_.before, q), *specific = part(w_.specific, q), *sensible = part(w_.sensible, q);
     const double* masses = of_kind(q, before);
     each<S, true, true>(m.capacity[q], T_, n, specific, sensible, [&](int i, B c, B h) {
@@ -17,6 +17,19 @@ void Step<S>::capacities() {
       st(w_.capacity, i, ld(w_.capacity, i) + x * c);
     });
   }
+  if (m.asks_gas != 0)
+    each<S, true, true>(m.gas_capacity, T_, n, w_.gas, w_.gas_heat,
+                        [&](int i, B c, B h) { st(w_.gas, i, c), st(w_.gas_heat, i, h); });
+}
+
+/// A kind that is gone and that nothing makes counts as if it were not there: its terms would all be zero.
+template <class S>
+bool Step<S>::holds(int q) const {
+  if (m.present[q] == 0 || m.changes[q] == 0 || m.grown[q] != 0) return m.present[q] != 0;
+  B most_of = S::set(0);
+  for (int k = m.first_of_kind[q]; k < m.first_of_kind[q + 1]; ++k)
+    for (int i = 0; i < n; ++i) most_of = most<S>(most_of, ld(mass(m.of_kind[k]), i));
+  return S::any(S::gt(most_of, S::set(0)));
 }
 
 template <class S>
@@ -44,9 +57,9 @@ void Step<S>::geometry() {
   const double *moist = part(w_.before, 0), *fuel = part(w_.before, 1), *coal = part(w_.before, 2);
   for (int i = 0; i < n; ++i) {
     ByKind<S> k{zero, zero, zero, zero};
-    if (m.present[0] != 0) k[0] = ld(moist, i);
-    if (m.present[1] != 0) k[1] = ld(fuel, i);
-    if (m.present[2] != 0) k[2] = ld(coal, i);
+    if (there_[0]) k[0] = ld(moist, i);
+    if (there_[1]) k[1] = ld(fuel, i);
+    if (there_[2]) k[2] = ld(coal, i);
     const Shares<S> shares = shares_of<S>(m, k, per_cube * S::set(m.per_volume[i]), burnt(i));
     const B t = ld(T_, i);
     volume = volume + cube * S::set(m.volume[i]) * most<S>(volume_share<S>(m, shares), S::set(1e-4));
@@ -143,7 +156,7 @@ void Step<S>::fronts() {
       st(w_.drying, i, K);
     }
     if (m.chars > 0) {
-      const B coal = m.present[2] != 0 ? ld(coals, i) : zero;
+      const B coal = there_[2] ? ld(coals, i) : zero;
       const B gone = burnt(i), ash = half * two * gone / most<S>(coal + gone, tiny);
       const B front = char_open * least<S>(coal * trace / most<S>(dry0 + coal + gone, tiny), one);
       char_open = char_open - front;
@@ -164,12 +177,13 @@ void Step<S>::fronts() {
 
 template <class S>
 void Step<S>::judge() {
-  if (m.fuel_density == 0) return;
+  if (!there_[1]) return;
   const B zero = S::set(0), cube = radius0_ * radius0_ * radius0_;
   const double* fuel = part(w_.before, 1);
+  const B some = S::set(0.05 * m.fuel_density) * cube;
   B flow = zero, holds = S::set(1);
   for (int i = 1; i < n; ++i) {
-    const auto left = S::gt(ld(fuel, i), S::set(0.05 * m.fuel_density * m.volume[i]) * cube);
+    const auto left = S::gt(ld(fuel, i), S::set(m.volume[i]) * some);
     const B g = S::select(left, ld(w_.conductance, i), zero), c = ld(w_.capacity, i);
     const auto worse = S::gt(g * holds, flow * c);
     flow = S::select(worse, g, flow);
