@@ -39,8 +39,8 @@ void Step<S>::react() {
       S::store(w_.total + S::W * r, products(m.reaction[r], part(w_.rate, r), share));
       if (m.carries != 0)
         for (int i = 0; i < n; ++i)
-          carried_ = carried_ + ld(share, i) * ld(part(w_.rate, r), i) *
-                                    gas_capacity<S>(m.reaction[r], ld(T_, i), ld(w_.gas, i));
+          carried_ = carried_ +
+                     ld(share, i) * ld(part(w_.rate, r), i) * gas_capacity<S>(m.reaction[r], ld(T_, i), ld(w_.gas, i));
     }
     if (dries(s))
       for (int i = 0; i < n; ++i) {
@@ -60,7 +60,7 @@ void Step<S>::burn(int c, int s, const double* share) {
   for (int i = 0; i < n; ++i) {
     const B x = ld(share, i) * ld(part(w_.burning, c), i);
     if (!S::any(S::gt(x, S::set(0)))) continue;
-    const CharGas<S> y = yield_of<S>(r, ld(T_, i));
+    const CharGas<S> y = yield_of<S>(r, ld(part(w_.monoxide, c), i));
     const B carbon = S::set(m.char_carbon) * x;
     add(k_out_standard, carbon * y.heat + S::set(r.to_cells) * x);
     st(done, i, ld(done, i) + x);

@@ -118,7 +118,8 @@ TALUS_SHAPES_INLINE typename S::B emissivity(const BedMatter& m, const Shares<S>
 
 template <class S>
 TALUS_SHAPES_INLINE typename S::B arrhenius(double A, double n, double E, typename S::B T, typename S::B inverse) {
-  const auto k = S::set(A) * exponential<S>(S::set(-E) * inverse);
+  const auto e = power_of_two<S>(S::set(-k_per_ln2 * E) * inverse);
+  const auto k = S::set(A) * (e.scale + e.more);
   return n == 0 ? k : n == 1 ? k * T : k * power<S>(T, n);
 }
 /// Of the gas that a reaction makes; `gas`: that of any gas.
@@ -197,15 +198,22 @@ template <class S>
 struct CharGas {
   typename S::B oxidant, carbon_monoxide, carbon_dioxide, hydrogen, heat;
 };
-/// As char_yield of around.hpp, per kg of carbon.
+/// Share of the carbon that oxygen turns into CO; 0 with other oxidants.
 template <class S>
-TALUS_SHAPES_INLINE CharGas<S> yield_of(const BedChar& r, typename S::B T) {
+TALUS_SHAPES_INLINE typename S::B monoxide_share(const BedChar& r, typename S::B inverse) {
+  if (r.oxidant != 0) return S::set(0);
+  const auto e = power_of_two<S>(S::set(-k_per_ln2 * r.ratio_E) * inverse);
+  const auto ratio = S::set(r.ratio_A) * (e.scale + e.more);
+  return ratio / (S::set(1) + ratio);
+}
+/// As char_yield of around.hpp, per kg of carbon; x: monoxide_share.
+template <class S>
+TALUS_SHAPES_INLINE CharGas<S> yield_of(const BedChar& r, typename S::B x) {
   using B = typename S::B;
   constexpr double per_kg = 1 / 0.012011;
   const B none = S::set(0), one = S::set(1);
   if (r.oxidant == 0) {
-    const B ratio = S::set(r.ratio_A) * exponential<S>(S::set(-r.ratio_E) / T);
-    const B x = ratio / (one + ratio), rest = one - x;
+    const B rest = one - x;
     return {S::set(0.0319988 * per_kg) * (one - S::set(0.5) * x), S::set(0.0280104 * per_kg) * x,
             S::set(0.0440098 * per_kg) * rest, none, S::set(110.5e3 * per_kg) * x + S::set(393.5e3 * per_kg) * rest};
   }
@@ -217,7 +225,8 @@ TALUS_SHAPES_INLINE CharGas<S> yield_of(const BedChar& r, typename S::B T) {
 }
 
 /// Working arrays of a vector, [..][shell][lane]: of the shells; by kind (sensible, before, specific); by solid that
-/// something makes (made) or consumes (gone, per, their product share, grow, released); by reaction; `total`: extents of the reactions over all shells.
+/// something makes (made) or consumes (gone, per, their product share, grow, released); by reaction; `total`: extents
+/// of the reactions over all shells.
 template <class S>
 struct Work {
   BedRow place;
@@ -225,20 +234,21 @@ struct Work {
   double *gas, *gas_heat;
   double *sensible, *before, *specific;
   double *made, *gone, *per, *share, *grow, *released;
-  double *burning, *rate, *total;
+  double *burning, *monoxide, *rate, *total;
   Work(const BedMatter& m, double* from) : place(bed_row(m)) {
     const auto take = [&](long columns) {
       double* at = from;
       from += columns * m.shells * S::W;
       return at;
     };
-    for (double** x :
-         {&capacity, &conductance, &drying, &heat, &slope, &flow, &plateau, &sink, &next, &upper, &inverse, &gas, &gas_heat})
+    for (double** x : {&capacity, &conductance, &drying, &heat, &slope, &flow, &plateau, &sink, &next, &upper, &inverse,
+                       &gas, &gas_heat})
       *x = take(1);
     for (double** x : {&sensible, &before, &specific}) *x = take(k_bed_kinds);
     made = take(m.growing);
     for (double** x : {&gone, &per, &share, &grow, &released}) *x = take(m.turning);
     burning = take(m.chars);
+    monoxide = take(m.chars);
     rate = take(m.reactions);
     total = from;
   }

@@ -51,8 +51,8 @@ TALUS_SHAPES_INLINE PowerOfTwo<S> power_of_two(typename S::B x) {
   x = S::most(S::set(-1000), x);
   const B magic = S::set(0x1.8p52), k = (x + magic) - magic, f = x - k;  // |f| <= 1/2
   // (2^f - 1) / f through the Chebyshev points
-  constexpr double power[] = {0.6931471805568324,     0.24022650695888503,   0.055504109063258665,  0.00961812913523614,
-                              0.0013333478473685416,  0.00015403475186530786, 1.5303700711365693e-05};
+  constexpr double power[] = {0.6931471805568324,    0.24022650695888503,    0.055504109063258665,  0.00961812913523614,
+                              0.0013333478473685416, 0.00015403475186530786, 1.5303700711365693e-05};
   B q = S::set(1.325080551750225e-06);
 #pragma GCC unroll 7
   for (int i = 6; i >= 0; --i) q = q * f + S::set(power[i]);

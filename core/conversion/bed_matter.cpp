@@ -221,7 +221,8 @@ BedRow bed_row(const BedMatter& m) {
 }
 
 long bed_work(const BedMatter& m) {
-  return static_cast<long>(m.shells) * (3 * k_bed_kinds + 13 + m.chars + m.reactions + m.growing + 5L * m.turning) + m.reactions;
+  return static_cast<long>(m.shells) * (3 * k_bed_kinds + 13 + 2 * m.chars + m.reactions + m.growing + 5L * m.turning) +
+         m.reactions;
 }
 long bed_scratch(const BedMatter& m) { return 8 * (bed_work(m) + bed_row(m).size); }
 

@@ -69,11 +69,11 @@ struct BedMatter {
   int secondary, reactions;                     ///< reactions [secondary, reactions) are those of gas
   const BedChar* burning;
   int chars;
-  int moisture;                 ///< the solid, or -1
-  int boils, dries;             ///< at boiling temperature; by vapour pressure too
+  int moisture;                                  ///< the solid, or -1
+  int boils, dries;                              ///< at boiling temperature; by vapour pressure too
   double boiling, evaporation, per_evaporation;  ///< [K], [J/kg], [kg/J]
-  double vapour_to_cells;       ///< [J/kg]
-  double shrink[3];             ///< by drying, devolatilisation, burn-off
+  double vapour_to_cells;                        ///< [J/kg]
+  double shrink[3];                              ///< by drying, devolatilisation, burn-off
   BedProperty capacity[k_bed_kinds], conductivity[k_bed_kinds], gas_capacity;  ///< conductivity[0]: of moist matter
   int present[k_bed_kinds];                                                    ///< some solid is of this kind
   double sensible0[k_bed_kinds], gas_sensible0;  ///< integrals at the reference temperature; 0 without

@@ -92,7 +92,8 @@ void Step<S>::predict(int s) {
     }
     if (burns(s))
       for (int k2 = 0; k2 < m.chars; ++k2)
-        q = q + ld(part(w_.burning, k2), i) * (S::set(m.char_carbon) * yield_of<S>(m.burning[k2], ld(T_, i)).heat);
+        q = q + ld(part(w_.burning, k2), i) *
+                    (S::set(m.char_carbon) * yield_of<S>(m.burning[k2], ld(part(w_.monoxide, k2), i)).heat);
     st(gone, i, lost), st(per, i, p), st(share, i, lost_per), st(grow, i, rises), st(released, i, q);
     st(w_.heat, i, ld(w_.heat, i) + lost_per * q);
   }
@@ -122,8 +123,8 @@ void Step<S>::carry(int s, const double* share) {
   for (int r = m.first[s]; r < m.first[s + 1]; ++r)
     for (int i = 0; i < n; ++i)
       st(w_.flow, i,
-         ld(w_.flow, i) + ld(share, i) * ld(part(w_.rate, r), i) *
-                              gas_capacity<S>(m.reaction[r], ld(T_, i), ld(w_.gas, i)));
+         ld(w_.flow, i) +
+             ld(share, i) * ld(part(w_.rate, r), i) * gas_capacity<S>(m.reaction[r], ld(T_, i), ld(w_.gas, i)));
   if (dries(s))
     for (int i = 0; i < n; ++i) st(w_.flow, i, ld(w_.flow, i) + ld(share, i) * ld(w_.drying, i) * ld(w_.gas, i));
 }

@@ -132,6 +132,7 @@ void Step<S>::film() {
 template <class S>
 void Step<S>::fronts() {
   const B tiny = S::set(1e-300), one = S::set(1), zero = S::set(0), two = S::set(2), trace = S::set(50);
+  const B least_part = S::set(1e-60);  // products of three stay numbers
   const B density = gas_density<S>(S::set(0.5) * (in(k_in_gas) + surface_), pressure_, m.gas_molar);
   const B oxidant[3] = {density * in(k_in_oxygen), density * in(k_in_carbon_dioxide), density * in(k_in_steam)};
   B way = one / most<S>(mass_film_ * area_, tiny), wet_open = one, char_open = one;
@@ -140,9 +141,13 @@ void Step<S>::fronts() {
   for (int i = n; i-- > 0;) {
     const B t = ld(T_, i), face = ld(faces, i), below = i > 0 ? ld(faces, i - 1) : zero;
     const B middle = S::set(0.5) * (face + below), surface = S::set(12.566370614359172) * middle * middle;
-    const B half = S::set(0.5) * (face - below) / most<S>(S::set(m.pores) * gas_diffusivity<S>(t) * surface, tiny);
-    const B first = cube * S::set(m.volume[i]);
-    const B dry0 = most<S>(first * S::set(m.fuel_density), tiny);
+    const B first = cube * S::set(m.volume[i]), dry0 = most<S>(first * S::set(m.fuel_density), tiny);
+    const B coal = m.chars > 0 && there_[2] ? ld(coals, i) : zero, gone = burnt(i);
+    const B char0 = most<S>(coal + gone, least_part);
+    // one division for the reciprocals of a passage, what there was of char, and all of the shell
+    const B passage = most<S>(S::set(m.pores) * gas_diffusivity<S>(t) * surface, least_part), whole = dry0 + char0;
+    const B chars = char0 * whole, all = one / (passage * chars);
+    const B half = S::set(0.5) * (face - below) * (all * chars);
     if (m.dries != 0) {
       const B wet = ld(mass(m.moisture), i);
       const B dried = half * two * (one - wet / most<S>(first * S::set(m.moisture_density), tiny));
@@ -156,19 +161,20 @@ void Step<S>::fronts() {
       st(w_.drying, i, K);
     }
     if (m.chars > 0) {
-      const B coal = there_[2] ? ld(coals, i) : zero;
-      const B gone = burnt(i), ash = half * two * gone / most<S>(coal + gone, tiny);
-      const B front = char_open * least<S>(coal * trace / most<S>(dry0 + coal + gone, tiny), one);
+      const B shared = all * passage, ash = half * two * gone * (shared * whole);
+      const B front = char_open * least<S>(coal * trace * (shared * char0), one);
       char_open = char_open - front;
       for (int c = 0; c < m.chars; ++c) {
-        B K = zero;
+        B K = zero, x = zero;
         const BedChar& r = m.burning[c];
         if (S::any(S::gt(front * oxidant[r.oxidant], zero))) {
-          const B kinetic = one / most<S>(arrhenius<S>(r.A, r.n, r.E, t, one / t) * surface, tiny);
+          x = monoxide_share<S>(r, ld(w_.inverse, i));
+          const B kinetic = one / most<S>(arrhenius<S>(r.A, r.n, r.E, t, ld(w_.inverse, i)) * surface, tiny);
           const B flow = front * oxidant[r.oxidant] / (way + ash + kinetic);
-          K = steady<S>(flow / (S::set(m.char_carbon) * yield_of<S>(r, t).oxidant) * dt_ / most<S>(coal, tiny));
+          K = steady<S>(flow / (S::set(m.char_carbon) * yield_of<S>(r, x).oxidant) * dt_ / most<S>(coal, tiny));
         }
         st(part(w_.burning, c), i, K);
+        st(part(w_.monoxide, c), i, x);
       }
     }
     way = way + half + half;
