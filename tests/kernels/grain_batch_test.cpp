@@ -141,7 +141,9 @@ TEST(GrainBatch, TracesOfASolidReactAwaySoThatItEndsAtZero) {
         const double x = row[static_cast<std::size_t>(at.mass + s * t.shells + i)];
         const double r = row[static_cast<std::size_t>(at.radius0)], first = 600 * t.volume[i] * (r * r * r);
         ASSERT_TRUE(x == 0 || x > 1e-16 * first) << s << ' ' << i << ' ' << x / first;
-        if (s == static_cast<int>(m.solid("wood")) || s == t.moisture) ASSERT_EQ(x, 0);
+        if (s == static_cast<int>(m.solid("wood")) || s == t.moisture) {
+          ASSERT_EQ(x, 0);
+        }
       }
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(b.out_of(k_out_ash, k) / b.start[k].ash, 1, 1e-14) << "ash stays";
 }
