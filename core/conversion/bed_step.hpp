@@ -74,6 +74,7 @@ class Step {
   double* made(int s) const { return part(w_.made, m.grows[s]); }
   /// Masses of a kind by shell; `to` is filled where it has several solids.
   const double* of_kind(int q, double* to) const;
+  /// A kind is there in some lane; one that is gone for good counts as if it had never been: its terms are all zero.
   bool holds(int q) const;
 
   // bed_surface_impl.hpp
@@ -95,7 +96,7 @@ class Step {
   B heat_of(const BedReaction& r, int i) const;
   /// Rises of temperature by the flows of the start, then each solid.
   void predict();
-  /// Rate constants times time of the reactions of a solid; their sum.
+  /// Rate constants times time of the reactions of a solid, 0 where nothing of it is left; their sum.
   void rates(int s, double* K);
   /// What becomes of a solid: consumption, heat and its derivative by temperature, products.
   void predict(int s);
@@ -113,7 +114,8 @@ class Step {
   void solve();
 
   // bed_books_impl.hpp
-  /// Masses at the new temperatures; heat that was released, into `heat`.
+  /// Masses at the new temperatures; of a solid of which less than a trace would remain all reacts. Heat that was
+  /// released, into `heat`.
   void react();
   /// Gas that char reaction c of solid s takes and makes.
   void burn(int c, int s, const double* share);

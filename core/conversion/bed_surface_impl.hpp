@@ -22,7 +22,6 @@ void Step<S>::capacities() {
                         [&](int i, B c, B h) { st(w_.gas, i, c), st(w_.gas_heat, i, h); });
 }
 
-/// A kind that is gone and that nothing makes counts as if it were not there: its terms would all be zero.
 template <class S>
 bool Step<S>::holds(int q) const {
   if (m.present[q] == 0 || m.changes[q] == 0 || m.grown[q] != 0) return m.present[q] != 0;
