@@ -35,12 +35,10 @@ const Keys<General> k_heat(
             "the present heat step, and heat.step_error, half of the largest change of the last one",
             "0.5")
             .absent("(each heat step has `every` steps)")
-            .usual("", "none")
             .fixed("the present heat step has begun by it"),
         key("every_most", &General::every_most, "steps", {1, 1e9}, "most steps per heat step where error is given",
             "3200")
             .absent("(64 times every)")
-            .usual("", "0")
             .beside("error = 0.5"),
         key("capacity", &General::capacity, "J/kg/K", k_positive, "heat capacity of materials that give none", "800")
             .absent("(required unless every material gives it)")
