@@ -80,6 +80,7 @@ void Step<S>::book() {
   const B zero = S::set(0), one = S::set(1), half = S::set(0.5);
   double *debt = cell(place_.debt), *stored = w_.slope, *left = w_.upper;
   B from = zero, mean = zero, all = zero;
+  range_ = {};
   for (int i = 0; i < n; ++i) {
     const B wanted = ld(w_.next, i);
     const B to = i + 1 < n ? ld(w_.conductance, i + 1) * (wanted - ld(w_.next, i + 1)) : zero - heat_in_;
@@ -94,6 +95,7 @@ void Step<S>::book() {
     B T1 = wanted;
     if (boils_) heat = heat - evaporate(i, heat, wanted, T1);
     T1 = most<S>(T1, one);
+    range_.add(T1);
     st(w_.next, i, T1);
     st(debt, i, heat);
     st(stored, i, zero), st(left, i, zero);
@@ -108,14 +110,14 @@ void Step<S>::book() {
     const B base = S::set(m.sensible0[q]);
     B sum = zero, gone = zero;
     if (m.changes[q] != 0)
-      each<S, false, true>(m.capacity[q], w_.next, n, nullptr, w_.inverse, [&](int i, B, B y) {
+      each<S, false, true>(m.capacity[q], w_.next, range_, n, nullptr, w_.inverse, [&](int i, B, B y) {
         const B a = ld(before, i), b = ld(after, i), x = ld(h0, i);
         st(debt, i, ld(debt, i) - half * (a + b) * (y - x));
         gone = gone + (a - b) * (half * (x + y) - base);
         sum = sum + b;
       });
     else
-      each<S, false, true>(m.capacity[q], w_.next, n, nullptr, w_.inverse, [&](int i, B, B y) {
+      each<S, false, true>(m.capacity[q], w_.next, range_, n, nullptr, w_.inverse, [&](int i, B, B y) {
         const B b = ld(after, i);
         st(debt, i, ld(debt, i) - b * (y - ld(h0, i)));
         sum = sum + b;

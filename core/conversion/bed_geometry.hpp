@@ -47,10 +47,19 @@ void evaluate(const BedProperty& p, const double* T, int n, double* value, doubl
     }
   }
 }
+/// Coldest and hottest shell, lane by lane.
+template <class S>
+struct Range {
+  typename S::B low = S::set(1e300), high = S::set(-1e300);
+  void add(typename S::B t) { low = least<S>(low, t), high = most<S>(high, t); }
+};
+
 /// take(i, value, integral) for each shell. What most matter has, a constant or one straight line, goes without arrays
-/// on the way; the others leave value and integral in `values` and `integrals` first. Same operations.
+/// on the way, and without the ends of the line where all shells lie between them; the others leave value and integral
+/// in `values` and `integrals` first. Same bits.
 template <class S, bool Value, bool Integral, class F>
-TALUS_SHAPES_INLINE void each(const BedProperty& p, const double* T, int n, double* values, double* integrals, F take) {
+TALUS_SHAPES_INLINE void each(const BedProperty& p, const double* T, const Range<S>& range, int n, double* values,
+                              double* integrals, F take) {
   using B = typename S::B;
   const B first = S::set(p.first);
   if (p.pieces == 0) {
@@ -58,6 +67,13 @@ TALUS_SHAPES_INLINE void each(const BedProperty& p, const double* T, int n, doub
   } else if (p.pieces == 1 && p.piece->powers == 1) {
     const BedPiece& a = *p.piece;
     const B low = S::set(a.low), high = S::set(a.high), slope = S::set(*a.power), area = S::set(*a.area);
+    if (!S::any(S::lt(range.low, low)) && !S::any(S::gt(range.high, high))) {
+      for (int i = 0; i < n; ++i) {
+        const B t = S::load(T + S::W * i), x = t - low;
+        take(i, first + slope * x, Integral ? first * t + area * x * x : first);
+      }
+      return;
+    }
     for (int i = 0; i < n; ++i) {
       const B t = S::load(T + S::W * i), x = least<S>(most<S>(t, low), high) - low, rise = slope * x;
       B integral = first;
@@ -95,8 +111,8 @@ TALUS_SHAPES_INLINE Shares<S> shares_of(const BedMatter& m, const ByKind<S>& k, 
                                         typename S::B burnt) {
   const auto zero = S::set(0), one = S::set(1);
   Shares<S> s{zero, zero, one};
-  if (m.fuel_density > 0) s.fuel = k[1] * (S::set(m.per_fuel_density) * per_volume);
-  if (m.moisture_density > 0) s.moisture = k[0] * (S::set(m.per_moisture_density) * per_volume);
+  s.fuel = k[1] * (S::set(m.per_fuel_density) * per_volume);
+  s.moisture = k[0] * (S::set(m.per_moisture_density) * per_volume);
   if (m.chars > 0) {
     const auto all = k[2] + burnt;
     s.char_left = S::select(S::gt(burnt, zero), k[2] / most<S>(all, S::set(1e-300)), one);

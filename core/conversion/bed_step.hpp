@@ -142,6 +142,7 @@ class Step {
   double* out_ = nullptr;
   long in_stride_ = 0, stride_ = 0;
   bool there_[k_bed_kinds] = {}, boils_ = false;  ///< in some lane
+  Range<S> range_;                                ///< of the temperatures that properties are asked for at
   B radius0_, surface_, emissivity_, area_, inner_, mass_film_, surface_gain_, surface_slope_, around_gain_,
       around_loss_, gain_, loss_, heat_in_, carried_, evaporated_, reaction_, with_gas_;
 };

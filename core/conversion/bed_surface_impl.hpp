@@ -6,19 +6,23 @@ namespace talus::conversion::bed {
 
 template <class S>
 void Step<S>::capacities() {
-  for (int i = 0; i < n; ++i) st(w_.capacity, i, S::set(1e-300));
+  range_ = {};
+  for (int i = 0; i < n; ++i) {
+    st(w_.capacity, i, S::set(1e-300));
+    range_.add(ld(T_, i));
+  }
   for (int q = 0; q < k_bed_kinds; ++q) {
     if (!(there_[q] = holds(q))) continue;
     double *before = part(w_.before, q), *specific = part(w_.specific, q), *sensible = part(w_.sensible, q);
     const double* masses = of_kind(q, before);
-    each<S, true, true>(m.capacity[q], T_, n, specific, sensible, [&](int i, B c, B h) {
+    each<S, true, true>(m.capacity[q], T_, range_, n, specific, sensible, [&](int i, B c, B h) {
       const B x = ld(masses, i);
       st(before, i, x), st(specific, i, c), st(sensible, i, h);
       st(w_.capacity, i, ld(w_.capacity, i) + x * c);
     });
   }
   if (m.asks_gas != 0)
-    each<S, true, true>(m.gas_capacity, T_, n, w_.gas, w_.gas_heat,
+    each<S, true, true>(m.gas_capacity, T_, range_, n, w_.gas, w_.gas_heat,
                         [&](int i, B c, B h) { st(w_.gas, i, c), st(w_.gas_heat, i, h); });
 }
 
@@ -49,11 +53,13 @@ void Step<S>::geometry() {
   double* lambda[4] = {w_.heat, w_.slope, w_.flow, w_.next};  // free until later passes
   for (int q = 0; q < 4; ++q)
     if (q == 1 || (q == 0 && m.moisture_density > 0) || (q == 2) || (q == 3 && m.chars > 0))
-      each<S, true, false>(m.conductivity[q], T_, n, lambda[q], nullptr, [&](int i, B k, B) { st(lambda[q], i, k); });
+      each<S, true, false>(m.conductivity[q], T_, range_, n, lambda[q], nullptr,
+                           [&](int i, B k, B) { st(lambda[q], i, k); });
   const B cube = radius0_ * radius0_ * radius0_, per_cube = S::set(1) / cube, zero = S::set(0), one = S::set(1);
   B volume = zero, below = zero, below_area = zero, wide = zero, conducts = one;
   double* faces = cell(place_.face);
   const double *moist = part(w_.before, 0), *fuel = part(w_.before, 1), *coal = part(w_.before, 2);
+  const bool wet = m.moisture_density > 0, mixes = m.chars > 0;
   for (int i = 0; i < n; ++i) {
     ByKind<S> k{zero, zero, zero, zero};
     if (there_[0]) k[0] = ld(moist, i);
@@ -67,8 +73,8 @@ void Step<S>::geometry() {
     st(w_.inverse, i, both * shell);
     const B face = old - (ball * old - volume) * (both * t);
     B wood = ld(lambda[1], i), rest = ld(lambda[2], i);
-    if (m.moisture_density > 0) wood = wood + shares.moisture * (ld(lambda[0], i) - wood);
-    if (m.chars > 0) rest = shares.char_left * rest + (one - shares.char_left) * ld(lambda[3], i);
+    if (wet) wood = wood + shares.moisture * (ld(lambda[0], i) - wood);
+    if (mixes) rest = shares.char_left * rest + (one - shares.char_left) * ld(lambda[3], i);
     const B share = m.by_mass != 0 ? k[1] / most<S>(k[1] + k[2], S::set(1e-300)) : shares.fuel;
     const B conductivity = most<S>(rest + share * (wood - rest), S::set(m.least_conductivity)), width = face - below;
     st(w_.conductance, i,
