@@ -8,10 +8,11 @@
 Cost: settle32 (perf/scenes) with and without [heat], in turn on one thread; seconds of the steps after --warm; the median of the
 ratios of each round with its quartiles; exit 1 above --mark. Friction does not heat. Error: the same bed in gas that is 300 K
 warmer from the start on, 4000 steps; the largest difference of a grain's temperature at twenty times to the run with M = 1, as a
-share of 300 K, and what a heat step of that M leaves of the stability limit. `--wanted`: the largest M of the table whose error is
-below it. Needs python3-numpy; OUT is build/heat_cost.
+share of 300 K. `--wanted`: the largest M of the table whose error is below it. Then the same with heat.error, which chooses M: the
+error beside the wanted one, and the shortest and longest heat steps. Needs python3-numpy; OUT is build/heat_cost.
 """
 import argparse
+import csv
 import json
 import os
 import statistics
@@ -95,16 +96,21 @@ def error(args):
     import numpy as np
     interval = STEPS // TIMES * STEP
 
-    def bed(m):
-        more = HEAT.format(every=m, conductivity=0.5) + ERROR.format(film=1.5, interval=repr(interval))
-        s = run(args, f"m{m}", scene(args, f"m{m}", more), STEPS)
-        return temperatures(os.path.join(args.out, f"m{m}")), s
+    def bed(m, wanted=None):
+        name = f"m{m}" if wanted is None else f"error{wanted}"
+        chosen = "" if wanted is None else f"error = {wanted}\n"
+        more = HEAT.format(every=m, conductivity=0.5) + chosen + ERROR.format(film=1.5, interval=repr(interval))
+        s = run(args, name, scene(args, name, more), STEPS)
+        return temperatures(os.path.join(args.out, name)), s
+
+    def largest(found):
+        return max(np.abs(found[n] - reference[n]).max() for n in reference if n in found)
 
     best, (reference, _) = None, bed(1)
     print("    M   error [share of the step of 300 K]   million particle-steps/s")
     for m in (10, 20, 50, 100, 200):
         found, s = bed(m)
-        off = max(np.abs(found[n] - reference[n]).max() for n in reference if n in found) / 300
+        off = largest(found) / 300
         print(f"{m:5} {off:24.2e} {s['particle_steps_per_s'] / 1e6:28.2f}")
         if off <= args.wanted:
             best = m
@@ -112,6 +118,13 @@ def error(args):
         print(f"error {args.wanted:g}: M = {best}")
     else:
         print(f"error {args.wanted:g}: below M = 10")
+    print("\nheat.error [K]   error [K]   heat steps of   million particle-steps/s")
+    for wanted in (3, 1, 0.3, 0.1, 0.03):
+        found, s = bed(2, wanted)
+        with open(os.path.join(args.out, f"error{wanted}", "series.csv")) as f:
+            lengths = [float(row["heat.steps"]) for row in csv.DictReader(f)]
+        print(f"{wanted:14g} {largest(found):11.2e} {min(lengths):7.0f} to {max(lengths):3.0f}"
+              f" {s['particle_steps_per_s'] / 1e6:26.2f}")
 
 
 def main():

@@ -5,55 +5,62 @@ namespace talus::conversion::bed {
 
 template <class S>
 void Step<S>::react() {
-  const B zero = S::set(0), one = S::set(1);
+  const B zero = S::set(0), one = S::set(1), trace = S::set(m.trace) * (radius0_ * radius0_ * radius0_);
   for (int i = 0; i < n; ++i) st(w_.heat, i, zero);
   for (int s = 0; s < m.solids; ++s)
-    if (m.grows[s] != 0)
-      for (int i = 0; i < n; ++i) st(part(w_.made, s), i, zero);
+    if (grows(s))
+      for (int i = 0; i < n; ++i) st(made(s), i, zero);
   for (int s = 0; s < m.solids; ++s) {
-    double *x = mass(s), *gone = part(w_.gone, s);
-    const double* made = part(w_.made, s);
-    const bool grows = m.grows[s] != 0;
+    double* x = mass(s);
+    const bool grown = grows(s);
+    const double* more = grown ? made(s) : x;
     if (!turns(s)) {
-      if (grows)
-        for (int i = 0; i < n; ++i) st(x, i, ld(x, i) + ld(made, i));
+      if (grown)
+        for (int i = 0; i < n; ++i) st(x, i, ld(x, i) + ld(more, i));
       continue;
     }
-    const double *per = part(w_.per, s), *grow = part(w_.grow, s), *released = part(w_.released, s);
+    const int place = m.turns[s];
+    const double *gone = part(w_.gone, place), *per = part(w_.per, place), *grow = part(w_.grow, place);
+    const double* released = part(w_.released, place);
+    double* share = part(w_.share, place);
     for (int i = 0; i < n; ++i) {
       B there = ld(x, i);
-      if (grows) there = there + ld(made, i);
-      const B lost = clamped<S>(ld(gone, i) * (one + ld(grow, i) * (ld(w_.next, i) - ld(T_, i))), zero, there);
+      if (grown) there = there + ld(more, i);
+      const B p = ld(per, i);
+      B lost = clamped<S>(ld(gone, i) * (one + ld(grow, i) * (ld(w_.next, i) - ld(T_, i))), zero, there);
+      const auto traces = S::lt(there - lost, trace * S::set(m.volume[i]));
+      lost = S::select(traces, S::select(S::gt(p, zero), there, lost), lost);
       st(x, i, there - lost);
-      st(gone, i, lost);
-      st(w_.heat, i, ld(w_.heat, i) + lost * ld(per, i) * ld(released, i));
+      const B lost_per = lost * p;
+      st(share, i, lost_per);
+      st(w_.heat, i, ld(w_.heat, i) + lost_per * ld(released, i));
     }
     for (int r = m.first[s]; r < m.first[s + 1]; ++r) {
-      S::store(w_.total + S::W * r, products(m.reaction[r], part(w_.rate, r), gone, per));
+      S::store(w_.total + S::W * r, products(m.reaction[r], part(w_.rate, r), share));
       if (m.carries != 0)
         for (int i = 0; i < n; ++i)
           carried_ = carried_ +
-                     ld(gone, i) * ld(per, i) * ld(part(w_.rate, r), i) * gas_capacity<S>(m, m.reaction[r], ld(T_, i));
+                     ld(share, i) * ld(part(w_.rate, r), i) * gas_capacity<S>(m.reaction[r], ld(T_, i), ld(w_.gas, i));
     }
     if (dries(s))
       for (int i = 0; i < n; ++i) {
-        const B vapour = ld(gone, i) * ld(per, i) * ld(w_.drying, i);
+        const B vapour = ld(share, i) * ld(w_.drying, i);
         evaporated_ = evaporated_ + vapour;
-        if (m.carries != 0) carried_ = carried_ + vapour * value<S>(m.gas_capacity, ld(T_, i));
+        if (m.carries != 0) carried_ = carried_ + vapour * ld(w_.gas, i);
       }
     if (burns(s))
-      for (int c = 0; c < m.chars; ++c) burn(c, s, gone, per);
+      for (int c = 0; c < m.chars; ++c) burn(c, s, share);
   }
 }
 
 template <class S>
-void Step<S>::burn(int c, int s, const double* gone, const double* per) {
+void Step<S>::burn(int c, int s, const double* share) {
   const BedChar& r = m.burning[c];
   double* done = cell(place_.burnt);
   for (int i = 0; i < n; ++i) {
-    const B x = ld(gone, i) * ld(per, i) * ld(part(w_.burning, c), i);
+    const B x = ld(share, i) * ld(part(w_.burning, c), i);
     if (!S::any(S::gt(x, S::set(0)))) continue;
-    const CharGas<S> y = yield_of<S>(r, ld(T_, i));
+    const CharGas<S> y = yield_of<S>(r, ld(part(w_.monoxide, c), i));
     const B carbon = S::set(m.char_carbon) * x;
     add(k_out_standard, carbon * y.heat + S::set(r.to_cells) * x);
     st(done, i, ld(done, i) + x);
@@ -73,6 +80,7 @@ void Step<S>::book() {
   const B zero = S::set(0), one = S::set(1), half = S::set(0.5);
   double *debt = cell(place_.debt), *stored = w_.slope, *left = w_.upper;
   B from = zero, mean = zero, all = zero;
+  range_ = {};
   for (int i = 0; i < n; ++i) {
     const B wanted = ld(w_.next, i);
     const B to = i + 1 < n ? ld(w_.conductance, i + 1) * (wanted - ld(w_.next, i + 1)) : zero - heat_in_;
@@ -85,8 +93,9 @@ void Step<S>::book() {
     }
     from = to;
     B T1 = wanted;
-    if (m.boils != 0) heat = heat - evaporate(i, heat, wanted, T1);
+    if (boils_) heat = heat - evaporate(i, heat, wanted, T1);
     T1 = most<S>(T1, one);
+    range_.add(T1);
     st(w_.next, i, T1);
     st(debt, i, heat);
     st(stored, i, zero), st(left, i, zero);
@@ -95,20 +104,24 @@ void Step<S>::book() {
     mean = mean + c * T1;
   }
   put(k_out_mean, mean / all);
-  double *after = w_.flow, *h1 = w_.inverse;
   for (int q = 0; q < k_bed_kinds; ++q) {
-    if (m.present[q] == 0) continue;
-    sum_kind(q, after);
-    evaluate<S, false, true>(m.capacity[q], w_.next, n, nullptr, h1);
-    const double *before = part(w_.before, q), *h0 = part(w_.sensible, q);
+    if (!there_[q]) continue;
+    const double *before = part(w_.before, q), *h0 = part(w_.sensible, q), *after = of_kind(q, w_.flow);
     const B base = S::set(m.sensible0[q]);
     B sum = zero, gone = zero;
-    for (int i = 0; i < n; ++i) {
-      const B a = ld(before, i), b = ld(after, i), x = ld(h0, i), y = ld(h1, i);
-      st(debt, i, ld(debt, i) - half * (a + b) * (y - x));
-      gone = gone + (a - b) * (half * (x + y) - base);
-      sum = sum + b;
-    }
+    if (m.changes[q] != 0)
+      each<S, false, true>(m.capacity[q], w_.next, range_, n, nullptr, w_.inverse, [&](int i, B, B y) {
+        const B a = ld(before, i), b = ld(after, i), x = ld(h0, i);
+        st(debt, i, ld(debt, i) - half * (a + b) * (y - x));
+        gone = gone + (a - b) * (half * (x + y) - base);
+        sum = sum + b;
+      });
+    else
+      each<S, false, true>(m.capacity[q], w_.next, range_, n, nullptr, w_.inverse, [&](int i, B, B y) {
+        const B b = ld(after, i);
+        st(debt, i, ld(debt, i) - b * (y - ld(h0, i)));
+        sum = sum + b;
+      });
     with_gas_ = with_gas_ + gone;
     put(k_out_moisture + q, sum);
   }
@@ -127,11 +140,11 @@ typename S::B Step<S>::evaporate(int i, typename S::B heat, typename S::B wanted
   T1 = S::select(boils, S::select(S::lt(part, whole), Tb, moved), S::select(plateau, moved, wanted));
   // a shell that dries out does not become hotter than the system without its plateau lets it
   T1 = S::select(boils, least<S>(T1, most<S>(wanted, Tb)), T1);
-  const B vapour = part * S::set(1 / m.evaporation);
+  const B vapour = part * S::set(m.per_evaporation);
   st(water, i, most<S>(wet - vapour, zero));
   evaporated_ = evaporated_ + vapour;
   reaction_ = reaction_ - part;
-  if (m.carries != 0) carried_ = carried_ + vapour * value<S>(m.gas_capacity, t);
+  if (m.carries != 0) carried_ = carried_ + vapour * ld(w_.gas, i);
   return part;
 }
 

@@ -47,6 +47,45 @@ void evaluate(const BedProperty& p, const double* T, int n, double* value, doubl
     }
   }
 }
+/// Coldest and hottest shell, lane by lane.
+template <class S>
+struct Range {
+  typename S::B low = S::set(1e300), high = S::set(-1e300);
+  void add(typename S::B t) { low = least<S>(low, t), high = most<S>(high, t); }
+};
+
+/// take(i, value, integral) for each shell. What most matter has, a constant or one straight line, goes without arrays
+/// on the way, and without the ends of the line where all shells lie between them; the others leave value and integral
+/// in `values` and `integrals` first. Same bits.
+template <class S, bool Value, bool Integral, class F>
+TALUS_SHAPES_INLINE void each(const BedProperty& p, const double* T, const Range<S>& range, int n, double* values,
+                              double* integrals, F take) {
+  using B = typename S::B;
+  const B first = S::set(p.first);
+  if (p.pieces == 0) {
+    for (int i = 0; i < n; ++i) take(i, first, first * S::load(T + S::W * i));
+  } else if (p.pieces == 1 && p.piece->powers == 1) {
+    const BedPiece& a = *p.piece;
+    const B low = S::set(a.low), high = S::set(a.high), slope = S::set(*a.power), area = S::set(*a.area);
+    if (!S::any(S::lt(range.low, low)) && !S::any(S::gt(range.high, high))) {
+      for (int i = 0; i < n; ++i) {
+        const B t = S::load(T + S::W * i), x = t - low;
+        take(i, first + slope * x, Integral ? first * t + area * x * x : first);
+      }
+      return;
+    }
+    for (int i = 0; i < n; ++i) {
+      const B t = S::load(T + S::W * i), x = least<S>(most<S>(t, low), high) - low, rise = slope * x;
+      B integral = first;
+      if constexpr (Integral) integral = first * t + (area * x * x + rise * (most<S>(t, high) - high));
+      take(i, first + rise, integral);
+    }
+  } else {
+    evaluate<S, Value, Integral>(p, T, n, values, integrals);
+    for (int i = 0; i < n; ++i)
+      take(i, Value ? S::load(values + S::W * i) : first, Integral ? S::load(integrals + S::W * i) : first);
+  }
+}
 template <class S>
 typename S::B integral(const BedProperty& p, typename S::B T) {
   alignas(64) double at[S::W], h[S::W];
@@ -72,8 +111,8 @@ TALUS_SHAPES_INLINE Shares<S> shares_of(const BedMatter& m, const ByKind<S>& k, 
                                         typename S::B burnt) {
   const auto zero = S::set(0), one = S::set(1);
   Shares<S> s{zero, zero, one};
-  if (m.fuel_density > 0) s.fuel = k[1] * (S::set(m.per_fuel_density) * per_volume);
-  if (m.moisture_density > 0) s.moisture = k[0] * (S::set(m.per_moisture_density) * per_volume);
+  s.fuel = k[1] * (S::set(m.per_fuel_density) * per_volume);
+  s.moisture = k[0] * (S::set(m.per_moisture_density) * per_volume);
   if (m.chars > 0) {
     const auto all = k[2] + burnt;
     s.char_left = S::select(S::gt(burnt, zero), k[2] / most<S>(all, S::set(1e-300)), one);
@@ -95,21 +134,24 @@ TALUS_SHAPES_INLINE typename S::B emissivity(const BedMatter& m, const Shares<S>
 
 template <class S>
 TALUS_SHAPES_INLINE typename S::B arrhenius(double A, double n, double E, typename S::B T, typename S::B inverse) {
-  const auto k = S::set(A) * exponential<S>(S::set(-E) * inverse);
+  const auto e = power_of_two<S>(S::set(-k_per_ln2 * E) * inverse);
+  const auto k = S::set(A) * (e.scale + e.more);
   return n == 0 ? k : n == 1 ? k * T : k * power<S>(T, n);
 }
+/// Of the gas that a reaction makes; `gas`: that of any gas.
 template <class S>
-TALUS_SHAPES_INLINE typename S::B gas_capacity(const BedMatter& m, const BedReaction& r, typename S::B T) {
-  return r.own_capacity != 0 ? value<S>(r.gas_capacity, T) : S::set(r.gas_mass) * value<S>(m.gas_capacity, T);
+TALUS_SHAPES_INLINE typename S::B gas_capacity(const BedReaction& r, typename S::B T, typename S::B gas) {
+  return r.own_capacity != 0 ? value<S>(r.gas_capacity, T) : S::set(r.gas_mass) * gas;
 }
-/// Sensible heat of the gas that a reaction makes, less that of the gas that it takes.
+/// Sensible heat of the gas that a reaction makes, less that of the gas that it takes; `gas`: integral for any gas.
 template <class S>
-TALUS_SHAPES_INLINE typename S::B gas_sensible(const BedMatter& m, const BedReaction& r, typename S::B T) {
+TALUS_SHAPES_INLINE typename S::B gas_sensible(const BedMatter& m, const BedReaction& r, typename S::B T,
+                                               typename S::B gas) {
   const bool own = r.own_capacity != 0;
   if (own && r.takes_gas == 0) return integral<S>(r.gas_capacity, T) - S::set(r.own_sensible0);
-  const auto gas = integral<S>(m.gas_capacity, T) - S::set(m.gas_sensible0);
-  if (!own) return S::set(r.gas_mass - r.takes_gas) * gas;
-  return (integral<S>(r.gas_capacity, T) - S::set(r.own_sensible0)) - S::set(r.takes_gas) * gas;
+  const auto rise = gas - S::set(m.gas_sensible0);
+  if (!own) return S::set(r.gas_mass - r.takes_gas) * rise;
+  return (integral<S>(r.gas_capacity, T) - S::set(r.own_sensible0)) - S::set(r.takes_gas) * rise;
 }
 
 template <class S>
@@ -172,15 +214,22 @@ template <class S>
 struct CharGas {
   typename S::B oxidant, carbon_monoxide, carbon_dioxide, hydrogen, heat;
 };
-/// As char_yield of around.hpp, per kg of carbon.
+/// Share of the carbon that oxygen turns into CO; 0 with other oxidants.
 template <class S>
-TALUS_SHAPES_INLINE CharGas<S> yield_of(const BedChar& r, typename S::B T) {
+TALUS_SHAPES_INLINE typename S::B monoxide_share(const BedChar& r, typename S::B inverse) {
+  if (r.oxidant != 0) return S::set(0);
+  const auto e = power_of_two<S>(S::set(-k_per_ln2 * r.ratio_E) * inverse);
+  const auto ratio = S::set(r.ratio_A) * (e.scale + e.more);
+  return ratio / (S::set(1) + ratio);
+}
+/// As char_yield of around.hpp, per kg of carbon; x: monoxide_share.
+template <class S>
+TALUS_SHAPES_INLINE CharGas<S> yield_of(const BedChar& r, typename S::B x) {
   using B = typename S::B;
   constexpr double per_kg = 1 / 0.012011;
   const B none = S::set(0), one = S::set(1);
   if (r.oxidant == 0) {
-    const B ratio = S::set(r.ratio_A) * exponential<S>(S::set(-r.ratio_E) / T);
-    const B x = ratio / (one + ratio), rest = one - x;
+    const B rest = one - x;
     return {S::set(0.0319988 * per_kg) * (one - S::set(0.5) * x), S::set(0.0280104 * per_kg) * x,
             S::set(0.0440098 * per_kg) * rest, none, S::set(110.5e3 * per_kg) * x + S::set(393.5e3 * per_kg) * rest};
   }
@@ -191,27 +240,31 @@ TALUS_SHAPES_INLINE CharGas<S> yield_of(const BedChar& r, typename S::B T) {
           S::set((110.5e3 - 241.8e3) * per_kg)};
 }
 
-/// Working arrays of a vector, [..][shell][lane]: of the shells; by kind (sensible, before, specific); by solid (made,
-/// gone, per, grow, released); by reaction; `total`: extents of the reactions over all shells.
+/// Working arrays of a vector, [..][shell][lane]: of the shells; by kind (sensible, before, specific); by solid that
+/// something makes (made) or consumes (gone, per, their product share, grow, released); by reaction; `total`: extents
+/// of the reactions over all shells.
 template <class S>
 struct Work {
   BedRow place;
   double *capacity, *conductance, *drying, *heat, *slope, *flow, *plateau, *sink, *next, *upper, *inverse;
+  double *gas, *gas_heat;
   double *sensible, *before, *specific;
-  double *made, *gone, *per, *grow, *released;
-  double *burning, *rate, *total;
+  double *made, *gone, *per, *share, *grow, *released;
+  double *burning, *monoxide, *rate, *total;
   Work(const BedMatter& m, double* from) : place(bed_row(m)) {
     const auto take = [&](long columns) {
       double* at = from;
       from += columns * m.shells * S::W;
       return at;
     };
-    for (double** x :
-         {&capacity, &conductance, &drying, &heat, &slope, &flow, &plateau, &sink, &next, &upper, &inverse})
+    for (double** x : {&capacity, &conductance, &drying, &heat, &slope, &flow, &plateau, &sink, &next, &upper, &inverse,
+                       &gas, &gas_heat})
       *x = take(1);
     for (double** x : {&sensible, &before, &specific}) *x = take(k_bed_kinds);
-    for (double** x : {&made, &gone, &per, &grow, &released}) *x = take(m.solids);
+    made = take(m.growing);
+    for (double** x : {&gone, &per, &share, &grow, &released}) *x = take(m.turning);
     burning = take(m.chars);
+    monoxide = take(m.chars);
     rate = take(m.reactions);
     total = from;
   }

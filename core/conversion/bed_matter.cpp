@@ -17,7 +17,7 @@ namespace talus::conversion {
 /// Deques: what has been handed out stays in place.
 struct BedTables::Arrays {
   BedMatter m{};
-  std::vector<int> kind, first, of_kind, grows;
+  std::vector<int> kind, first, of_kind, turns, grows;
   std::vector<std::array<double, k_bed_elements>> compositions;
   std::vector<double> density, volume, per_volume, cold, still;
   std::vector<BedReaction> reactions;
@@ -50,6 +50,7 @@ struct BedTables::Arrays {
 namespace {
 
 constexpr double k_cold_rate = 1e-10;  // [1/s]: in an hour less than a part in a million
+constexpr double k_trace = 1e-15;      // of a shell's first mass: less than its rounding error
 
 int index_or_none(const std::optional<std::size_t>& i) { return i ? static_cast<int>(*i) : -1; }
 
@@ -104,6 +105,7 @@ struct BedBuilder {
       a.compositions.push_back(*x.composition);
       a.density.push_back(m.density * x.initial);
       b.present[kind] = 1;
+      b.trace += k_trace * a.density.back();
       if (x.kind == Kind::fuel) b.fuel_density += a.density.back();
       if (x.kind == Kind::moisture) {
         b.moisture = static_cast<int>(s);
@@ -140,9 +142,6 @@ struct BedBuilder {
       a.cold.push_back(cold);
       a.still.push_back(still);
     }
-    a.grows.assign(m.solids.size(), 0);
-    for (const Reaction& r : m.reactions)
-      for (const Yield& y : r.solids) a.grows[y.species] = 1;
     a.first.push_back(static_cast<int>(a.reactions.size()));
     a.m.secondary = a.first.back();
     for (const Reaction& r : m.reactions)
@@ -169,6 +168,9 @@ struct BedBuilder {
     b.convects = m.gas_convection ? 1 : 0;
     b.blows = m.blowing ? 1 : 0;
     b.carries = m.gas_convection || m.blowing || b.secondary < b.reactions ? 1 : 0;
+    b.asks_gas = b.carries;
+    for (const BedReaction& r : a.reactions)
+      if (r.refers != 0) b.asks_gas = 1;
     std::copy(m.emissivity.begin(), m.emissivity.end(), b.emissivity);
     b.porosity = m.porosity;
     b.pores = m.porosity * m.tortuosity_factor;
@@ -177,6 +179,7 @@ struct BedBuilder {
     b.dries = b.moisture >= 0 && equilibrium ? 1 : 0;
     b.boiling = m.drying.temperature;
     b.evaporation = m.drying.heat;
+    b.per_evaporation = 1 / m.drying.heat;
     b.vapour_to_cells = m.drying.to_cells;
     b.char_carbon = m.char_carbon;
     b.char_steam = m.char_steam;
@@ -186,6 +189,22 @@ struct BedBuilder {
     b.shrink[2] = m.shrinkage.burn_off;
   }
 };
+
+/// Which solids are consumed and which are made; kinds that never change need no account of their own.
+void count_changes(BedTables::Arrays& a) {
+  BedMatter& b = a.m;
+  std::vector<bool> made(a.kind.size(), false);
+  for (const BedReaction& r : a.reactions)
+    for (int y = 0; y < r.solids; ++y) made[static_cast<std::size_t>(r.solid[y].species)] = true;
+  for (std::size_t s = 0; s < a.kind.size(); ++s) {
+    const bool moist = static_cast<int>(s) == b.moisture;
+    const bool turns = a.first[s] < a.first[s + 1] || (a.kind[s] == 2 && b.chars > 0) || (b.dries != 0 && moist);
+    a.turns.push_back(turns ? b.turning++ : -1);
+    a.grows.push_back(made[s] ? b.growing++ : -1);
+    if (turns || made[s] || (b.boils != 0 && moist)) b.changes[a.kind[s]] = 1;
+    if (made[s]) b.grown[a.kind[s]] = 1;
+  }
+}
 
 BedRow bed_row(const BedMatter& m) {
   BedRow r{};
@@ -202,7 +221,8 @@ BedRow bed_row(const BedMatter& m) {
 }
 
 long bed_work(const BedMatter& m) {
-  return static_cast<long>(m.shells) * (3 * k_bed_kinds + 11 + m.chars + m.reactions + 5L * m.solids) + m.reactions;
+  return static_cast<long>(m.shells) * (3 * k_bed_kinds + 13 + 2 * m.chars + m.reactions + m.growing + 5L * m.turning) +
+         m.reactions;
 }
 long bed_scratch(const BedMatter& m) { return 8 * (bed_work(m) + bed_row(m).size); }
 
@@ -222,11 +242,13 @@ BedTables::BedTables(const Matter& matter, int shells, const GasKind& gas, FilmL
   BedBuilder::species(matter, *a_);
   BedBuilder::reactions(matter, *a_);
   BedBuilder::properties(matter, *a_);
+  count_changes(*a_);
   const double n3 = static_cast<double>(shells) * shells * shells;
   for (int i = 0; i < shells; ++i) a_->volume.push_back(4.0 / 3.0 * det::k_pi * (3.0 * i * i + 3.0 * i + 1) / n3);
   for (const double v : a_->volume) a_->per_volume.push_back(1 / v);
   b.kind = a_->kind.data();
   b.of_kind = a_->of_kind.data();
+  b.turns = a_->turns.data();
   b.grows = a_->grows.data();
   b.per_volume = a_->per_volume.data();
   b.composition = reinterpret_cast<const double(*)[k_bed_elements]>(a_->compositions.data());

@@ -60,6 +60,7 @@ struct BedMatter {
   const int* kind;                              ///< [solid]
   const double (*composition)[k_bed_elements];  ///< [solid]
   const double* density;                        ///< [solid] of the initial grain [kg/m3]
+  double trace;                                 ///< what remains of a solid below it reacts too [kg/m3]
   const double* volume;                         ///< [shell] initial volume of a grain of radius 1 m
   const BedReaction* reaction;                  ///< primary ones by reactant, then those of gas
   const int* first;                             ///< [solids + 1] into reaction
@@ -68,22 +69,26 @@ struct BedMatter {
   int secondary, reactions;                     ///< reactions [secondary, reactions) are those of gas
   const BedChar* burning;
   int chars;
-  int moisture;                 ///< the solid, or -1
-  int boils, dries;             ///< at boiling temperature; by vapour pressure too
-  double boiling, evaporation;  ///< [K], [J/kg]
-  double vapour_to_cells;       ///< [J/kg]
-  double shrink[3];             ///< by drying, devolatilisation, burn-off
+  int moisture;                                  ///< the solid, or -1
+  int boils, dries;                              ///< at boiling temperature; by vapour pressure too
+  double boiling, evaporation, per_evaporation;  ///< [K], [J/kg], [kg/J]
+  double vapour_to_cells;                        ///< [J/kg]
+  double shrink[3];                              ///< by drying, devolatilisation, burn-off
   BedProperty capacity[k_bed_kinds], conductivity[k_bed_kinds], gas_capacity;  ///< conductivity[0]: of moist matter
   int present[k_bed_kinds];                                                    ///< some solid is of this kind
   double sensible0[k_bed_kinds], gas_sensible0;  ///< integrals at the reference temperature; 0 without
   double least_conductivity;
   double char_carbon, char_steam, char_hydrogen;  ///< as in Matter
   int by_mass, convects, blows, carries;          ///< carries: the flow of gas through the shells counts
+  int asks_gas;                                   ///< its heat capacity is asked for in the shells
   double emissivity[3], porosity, pores;          ///< pores: porosity times tortuosity factor
   double fuel_density, moisture_density;          ///< of the initial grain [kg/m3]
   double per_fuel_density, per_moisture_density;  ///< their reciprocals, 0 where there is none
   int first_of_kind[k_bed_kinds + 1];
-  const int* grows;                                       ///< [solid] some reaction makes it
+  const int* turns;                                       ///< [solid] place among those that something consumes, or -1
+  const int* grows;                                       ///< [solid] place among those that a reaction makes, or -1
+  int turning, growing;                                   ///< how many
+  int changes[k_bed_kinds], grown[k_bed_kinds];           ///< masses of this kind may change; grow
   const int* of_kind;                                     ///< solids by kind
   const double* per_volume;                               ///< [shell] 1 / volume
   int vapour, carbon_monoxide, carbon_dioxide, hydrogen;  ///< gases, or -1

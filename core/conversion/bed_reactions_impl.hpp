@@ -10,7 +10,7 @@ typename S::B Step<S>::heat_of(const BedReaction& r, int i) const {
   if (r.refers == 0) return q;
   for (int k = 0; k < k_bed_kinds; ++k)
     if (r.by_kind[k] != 0) q = q + S::set(r.by_kind[k]) * (ld(part(w_.sensible, k), i) - S::set(m.sensible0[k]));
-  return q - gas_sensible<S>(m, r, ld(T_, i));
+  return q - gas_sensible<S>(m, r, ld(T_, i), ld(w_.gas_heat, i));
 }
 
 template <class S>
@@ -20,24 +20,24 @@ void Step<S>::predict() {
     st(w_.heat, i, zero);
     st(w_.slope, i, zero);
     st(w_.flow, i, zero);
-    // rise by the flows of the start, at most to what is around; the column is free until plateaus()
+    // heat by the flows of the start, at most to what is around; the column is free until plateaus()
     const B t = ld(T_, i), beyond = i + 1 < n ? ld(T_, i + 1) : outside;
     B flow = (i + 1 < n ? ld(w_.conductance, i + 1) : loss_) * (beyond - t), hot = beyond;
     if (i > 0) {
       flow = flow + ld(w_.conductance, i) * (ld(T_, i - 1) - t);
       hot = most<S>(hot, ld(T_, i - 1));
     }
-    st(w_.plateau, i, least<S>(flow / ld(w_.capacity, i), hot - t));
+    st(w_.plateau, i, least<S>(flow, (hot - t) * ld(w_.capacity, i)));
   }
   for (int s = 0; s < m.solids; ++s)
-    if (m.grows[s] != 0)
-      for (int i = 0; i < n; ++i) st(part(w_.made, s), i, zero);
+    if (grows(s))
+      for (int i = 0; i < n; ++i) st(made(s), i, zero);
   for (int s = 0; s < m.solids; ++s)
     if (turns(s)) predict(s);
   for (int s = 0; s < m.solids; ++s)  // the capacity is that of the mean of both ends
-    if (m.grows[s] != 0 && !turns(s)) {
-      const double *made = part(w_.made, s), *c = part(w_.specific, m.kind[s]);
-      for (int i = 0; i < n; ++i) st(w_.capacity, i, ld(w_.capacity, i) + S::set(0.5) * ld(c, i) * ld(made, i));
+    if (grows(s) && !turns(s)) {
+      const double *more = made(s), *c = part(w_.specific, m.kind[s]);
+      for (int i = 0; i < n; ++i) st(w_.capacity, i, ld(w_.capacity, i) + S::set(0.5) * ld(c, i) * ld(more, i));
     }
   if (m.carries != 0)
     for (int i = 1; i < n; ++i) st(w_.flow, i, ld(w_.flow, i) + ld(w_.flow, i - 1));
@@ -48,98 +48,112 @@ void Step<S>::predict(int s) {
   const B zero = S::set(0), one = S::set(1), tiny = S::set(1e-100), still = S::set(m.still[s]), half = S::set(0.5);
   double* K = w_.upper;
   rates(s, K);
-  double *gone = part(w_.gone, s), *per = part(w_.per, s), *grow = part(w_.grow, s), *released = part(w_.released, s);
-  const double *start = mass(s), *made = part(w_.made, s), *c = part(w_.specific, m.kind[s]);
-  const bool wet = dries(s), char_burns = burns(s), grows = m.grows[s] != 0;
+  const int place = m.turns[s];
+  double *gone = part(w_.gone, place), *per = part(w_.per, place), *share = part(w_.share, place);
+  double *grow = part(w_.grow, place), *released = part(w_.released, place);
+  const bool grown = grows(s);
+  const double *start = mass(s), *more_of = grown ? made(s) : start, *c = part(w_.specific, m.kind[s]);
   for (int i = 0; i < n; ++i) {
-    const B k = ld(K, i);
+    const B k = ld(K, i), more = grown ? ld(more_of, i) : zero;
     if (!S::any(S::gt(k, zero))) {
-      st(gone, i, zero), st(per, i, zero), st(grow, i, zero), st(released, i, zero);
-      if (grows) st(w_.capacity, i, ld(w_.capacity, i) + half * ld(c, i) * ld(made, i));
+      st(gone, i, zero), st(per, i, zero), st(share, i, zero), st(grow, i, zero), st(released, i, zero);
+      if (grown) st(w_.capacity, i, ld(w_.capacity, i) + half * ld(c, i) * more);
       continue;
     }
-    const B t = ld(T_, i), some = most<S>(k, tiny), above = t - still, over = most<S>(above, one);
+    const auto turns = S::gt(k, tiny);
+    const B some = S::select(turns, k, one), above = ld(T_, i) - still, over = most<S>(above, one);
     const B both = one / (some * over);  // one division for two reciprocals
-    const B left = exponential<S>(zero - k), p = both * over;
-    B lost = ld(start, i) * (one - left);
-    if (grows) {
-      const B small = one - k * (half - k * (S::set(1.0 / 6) - k * S::set(1.0 / 24)));
-      const B mean = S::select(S::lt(k, S::set(1e-3)), small, (one - left) * p), more = ld(made, i);
-      lost = lost + more * (one - mean);
+    const B p = S::select(turns, both * over, zero);
+    const PowerOfTwo<S> left = power_of_two<S>(k * S::set(-k_per_ln2));
+    const B used = S::select(turns, (one - left.scale) - left.more, zero);
+    B lost = ld(start, i) * used;
+    if (grown) {  // what is made while the step goes on has the mean of the time
+      lost = lost + more * S::select(turns, one - used * p, zero);
       st(w_.capacity, i, ld(w_.capacity, i) - half * ld(c, i) * (lost - more));
     } else {
       st(w_.capacity, i, ld(w_.capacity, i) - half * ld(c, i) * lost);
     }
-    const B inverse = ld(w_.inverse, i);
-    B q = zero, rise = zero;
-    for (int r = m.first[s]; r < m.first[s + 1]; ++r) {
-      const BedReaction& a = m.reaction[r];
-      const B x = ld(part(w_.rate, r), i);
-      q = q + heat_of(a, i) * x;
-      rise = rise + x * (S::set(a.E) * inverse + S::set(a.n));
-    }
-    if (wet) {
-      const B x = ld(w_.drying, i);
-      q = q - S::set(m.evaporation) * x;
-      rise = rise + x * S::set(m.evaporation * 0.018015 / 8.31446261815324) * inverse;
-    }
-    // d ln(extent) / dT of what takes up heat: the local one, or where the reactant is used up the chord to the
-    // temperature at which it stands still, so that the step does not fall below that
-    const B share = lost * p;
-    B rises = zero;
+    const B lost_per = lost * p;
+    B rise = zero, q = heats(s, i, rise);
     const auto takes = S::lt(q, zero);
+    B rises = zero;
     if (S::any(takes)) {
-      const B depletion = left * (one + half * k);
+      // d ln(extent) / dT of what takes up heat: the local one, or where the reactant is used up the chord to the
+      // temperature at which it stands still, so that the step does not fall below that
+      const B depletion = (left.scale + left.more) * (one + half * k);
       const B chord = S::select(S::gt(above, one), both * some, zero);
-      rises = S::select(takes, most<S>(rise * inverse * p * depletion, chord), zero);
+      rises = S::select(takes, most<S>(rise * ld(w_.inverse, i) * p * depletion, chord), zero);
       // and no more than there is where the shell warms up nevertheless, by the flows of the start: heat that finds
       // nothing to react would come back as debt
-      const B there = grows ? ld(start, i) + ld(made, i) : ld(start, i);
-      const B warms = ld(w_.plateau, i) + share * q / ld(w_.capacity, i);
-      const B limit = (there - lost) / most<S>(lost * warms, tiny);
+      const B there = ld(start, i) + more, warms = ld(w_.plateau, i) + lost_per * q;
+      const B limit = (there - lost) * ld(w_.capacity, i) / most<S>(lost * warms, tiny);
       rises = S::select(S::gt(warms, zero), least<S>(rises, limit), rises);
-      st(w_.slope, i, ld(w_.slope, i) + least<S>(share * q * rises, zero));
+      st(w_.slope, i, ld(w_.slope, i) + least<S>(lost_per * q * rises, zero));
     }
-    if (char_burns)
+    if (burns(s))
       for (int k2 = 0; k2 < m.chars; ++k2)
-        q = q + ld(part(w_.burning, k2), i) * (S::set(m.char_carbon) * yield_of<S>(m.burning[k2], t).heat);
-    st(gone, i, lost), st(per, i, p), st(grow, i, rises), st(released, i, q);
-    st(w_.heat, i, ld(w_.heat, i) + share * q);
+        q = q + ld(part(w_.burning, k2), i) *
+                    (S::set(m.char_carbon) * yield_of<S>(m.burning[k2], ld(part(w_.monoxide, k2), i)).heat);
+    st(gone, i, lost), st(per, i, p), st(share, i, lost_per), st(grow, i, rises), st(released, i, q);
+    st(w_.heat, i, ld(w_.heat, i) + lost_per * q);
   }
-  for (int r = m.first[s]; r < m.first[s + 1]; ++r) products(m.reaction[r], part(w_.rate, r), gone, per);
-  if (m.carries != 0) {
-    for (int r = m.first[s]; r < m.first[s + 1]; ++r)
-      for (int i = 0; i < n; ++i)
-        st(w_.flow, i,
-           ld(w_.flow, i) +
-               ld(gone, i) * ld(per, i) * ld(part(w_.rate, r), i) * gas_capacity<S>(m, m.reaction[r], ld(T_, i)));
-    if (wet)
-      for (int i = 0; i < n; ++i)
-        st(w_.flow, i,
-           ld(w_.flow, i) + ld(gone, i) * ld(per, i) * ld(w_.drying, i) * value<S>(m.gas_capacity, ld(T_, i)));
+  for (int r = m.first[s]; r < m.first[s + 1]; ++r)
+    if (m.reaction[r].solids > 0) products(m.reaction[r], part(w_.rate, r), share);
+  if (m.carries != 0) carry(s, share);
+}
+
+template <class S>
+TALUS_SHAPES_INLINE typename S::B Step<S>::heats(int s, int i, B& rise) const {
+  const B inverse = ld(w_.inverse, i);
+  B q = S::set(0);
+  for (int r = m.first[s]; r < m.first[s + 1]; ++r) {
+    const BedReaction& a = m.reaction[r];
+    const B x = ld(part(w_.rate, r), i);
+    q = q + heat_of(a, i) * x;
+    rise = rise + x * (S::set(a.E) * inverse + S::set(a.n));
   }
+  if (!dries(s)) return q;
+  const B x = ld(w_.drying, i);
+  rise = rise + x * S::set(m.evaporation * 0.018015 / 8.31446261815324) * inverse;
+  return q - S::set(m.evaporation) * x;
+}
+
+template <class S>
+void Step<S>::carry(int s, const double* share) {
+  for (int r = m.first[s]; r < m.first[s + 1]; ++r)
+    for (int i = 0; i < n; ++i)
+      st(w_.flow, i,
+         ld(w_.flow, i) +
+             ld(share, i) * ld(part(w_.rate, r), i) * gas_capacity<S>(m.reaction[r], ld(T_, i), ld(w_.gas, i)));
+  if (dries(s))
+    for (int i = 0; i < n; ++i) st(w_.flow, i, ld(w_.flow, i) + ld(share, i) * ld(w_.drying, i) * ld(w_.gas, i));
 }
 
 template <class S>
 void Step<S>::rates(int s, double* K) {
   const B zero = S::set(0), cold = S::set(m.cold[s]);
+  const double *start = mass(s), *more = grows(s) ? made(s) : start;
+  double* warmth = w_.sink;  // free until plateaus(): the temperature where there is something, else 0
   for (int i = 0; i < n; ++i) {
     B sum = dries(s) ? ld(w_.drying, i) : zero;
     if (burns(s))
       for (int c = 0; c < m.chars; ++c) sum = sum + ld(part(w_.burning, c), i);
     st(K, i, sum);
+    const B there = grows(s) ? ld(start, i) + ld(more, i) : ld(start, i);
+    st(warmth, i, S::select(S::gt(there, zero), ld(T_, i), zero));
   }
   for (int r = m.first[s]; r < m.first[s + 1]; ++r) {
     const BedReaction& a = m.reaction[r];
     double* k = part(w_.rate, r);
-    const B A = S::set(a.A) * dt_, E = S::set(-a.E);
+    const B A = S::set(a.A) * dt_, E = S::set(-k_per_ln2 * a.E);
     for (int i = 0; i < n; ++i) {
-      const B t = ld(T_, i);
+      const B t = ld(warmth, i);
       const auto warm = S::gt(t, cold);
       B x = zero;
       if (S::any(warm)) {
-        x = A * exponential<S>(E * ld(w_.inverse, i));
-        if (a.n != 0) x = a.n == 1 ? x * t : x * power<S>(t, a.n);
+        const PowerOfTwo<S> e = power_of_two<S>(E * ld(w_.inverse, i));
+        x = A * (e.scale + e.more);
+        if (a.n != 0) x = a.n == 1 ? x * t : x * power<S>(ld(T_, i), a.n);
         x = S::select(warm, x, zero);
       }
       st(k, i, x);
@@ -149,18 +163,18 @@ void Step<S>::rates(int s, double* K) {
 }
 
 template <class S>
-typename S::B Step<S>::products(const BedReaction& a, const double* rate, const double* gone, const double* per) {
+typename S::B Step<S>::products(const BedReaction& a, const double* rate, const double* share) {
   B total = S::set(0);
   if (a.solids == 0) {
-    for (int i = 0; i < n; ++i) total = total + ld(gone, i) * ld(per, i) * ld(rate, i);
+    for (int i = 0; i < n; ++i) total = total + ld(share, i) * ld(rate, i);
     return total;
   }
   for (int y = 0; y < a.solids; ++y) {
-    double* made = part(w_.made, a.solid[y].species);
+    double* more = made(a.solid[y].species);
     const B yield = S::set(a.solid[y].mass);
     for (int i = 0; i < n; ++i) {
-      const B x = ld(gone, i) * ld(per, i) * ld(rate, i);
-      st(made, i, ld(made, i) + yield * x);
+      const B x = ld(share, i) * ld(rate, i);
+      st(more, i, ld(more, i) + yield * x);
       if (y == 0) total = total + x;
     }
   }
@@ -183,7 +197,7 @@ void Step<S>::plateaus() {
     st(w_.plateau, i, S::select(stays, part, zero));
     st(w_.sink, i, S::select(stays, zero, whole));
     if (m.carries != 0) {
-      vapour = vapour + part * S::set(1 / m.evaporation) * value<S>(m.gas_capacity, ld(T_, i));
+      vapour = vapour + part * S::set(m.per_evaporation) * ld(w_.gas, i);
       st(w_.flow, i, ld(w_.flow, i) + vapour);
     }
   }
@@ -229,7 +243,7 @@ void Step<S>::crack() {
         if (a.refers != 0) h = h + solid;
         add(k_out_with_gas, solid * x);  // solids that form bring their sensible heat along
       }
-      if (a.refers != 0) h = h - gas_sensible<S>(m, a, t);
+      if (a.refers != 0) h = h - gas_sensible<S>(m, a, t, integral<S>(m.gas_capacity, t));
       heat = heat + h * x;
     }
     add(k_out_reaction, heat);

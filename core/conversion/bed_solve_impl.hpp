@@ -17,7 +17,7 @@ void Step<S>::solve() {
     B diagonal = own + lower + above, next = last ? zero : above;
     B known = own * ld(T_, i) + ld(debt, i) + ld(w_.heat, i);
     if (last) known = known + gain_;
-    if (m.boils != 0) {
+    if (boils_) {
       const auto stays = S::gt(ld(w_.plateau, i), zero);
       known = S::select(stays, boiling, known - ld(w_.sink, i));
       diagonal = S::select(stays, one, diagonal);

@@ -41,12 +41,13 @@ class Step {
     radius0_ = S::load(cell(place_.radius0));
     surface_ = S::load(cell(place_.surface));
     capacities();
+    boils_ = m.boils != 0 && there_[0];
     geometry();
     judge();
     film();
     if (m.chars > 0 || m.dries != 0) fronts();
     predict();
-    if (m.boils != 0) plateaus();
+    if (boils_) plateaus();
     solve();
     react();
     book();
@@ -68,12 +69,17 @@ class Step {
   B burnt(int i) const { return m.chars > 0 ? ld(cell(place_.burnt), i) : S::set(0); }
   bool burns(int s) const { return m.kind[s] == 2 && m.chars > 0; }
   bool dries(int s) const { return m.dries != 0 && s == m.moisture; }
-  bool turns(int s) const { return m.first[s] < m.first[s + 1] || burns(s) || dries(s); }
+  bool turns(int s) const { return m.turns[s] >= 0; }
+  bool grows(int s) const { return m.grows[s] >= 0; }
+  double* made(int s) const { return part(w_.made, m.grows[s]); }
+  /// Masses of a kind by shell; `to` is filled where it has several solids.
+  const double* of_kind(int q, double* to) const;
+  /// A kind is there in some lane; one that is gone for good counts as if it had never been: its terms are all zero.
+  bool holds(int q) const;
 
   // bed_surface_impl.hpp
   /// Masses by kind, heat capacities, sensible heats.
   void capacities();
-  void sum_kind(int q, double* to) const;
   /// Conductances of the inner faces and the grain's size. A face follows the volume within it by one step of Newton
   /// from the step before: its error is the square of a step's relative change.
   void geometry();
@@ -90,12 +96,16 @@ class Step {
   B heat_of(const BedReaction& r, int i) const;
   /// Rises of temperature by the flows of the start, then each solid.
   void predict();
-  /// Rate constants times time of the reactions of a solid; their sum.
+  /// Rate constants times time of the reactions of a solid, 0 where nothing of it is left; their sum.
   void rates(int s, double* K);
   /// What becomes of a solid: consumption, heat and its derivative by temperature, products.
   void predict(int s);
+  /// Heat of its reactions and its drying in shell i, weighed by their rates; what they rise with temperature, to rise.
+  B heats(int s, int i, B& rise) const;
+  /// Gas that its reactions send through the shells, into `flow`.
+  void carry(int s, const double* share);
   /// Solids that a reaction makes. Returns its extent over all shells.
-  B products(const BedReaction& a, const double* rate, const double* gone, const double* per);
+  B products(const BedReaction& a, const double* rate, const double* share);
   /// Which shells stay at boiling temperature in this step, and which dry out (a sink), from the flows of its start.
   void plateaus();
 
@@ -104,10 +114,11 @@ class Step {
   void solve();
 
   // bed_books_impl.hpp
-  /// Masses at the new temperatures; heat that was released, into `heat`.
+  /// Masses at the new temperatures; of a solid of which less than a trace would remain all reacts. Heat that was
+  /// released, into `heat`.
   void react();
   /// Gas that char reaction c of solid s takes and makes.
-  void burn(int c, int s, const double* gone, const double* per);
+  void burn(int c, int s, const double* share);
   /// Heat that each shell took in, its temperature, and the debt.
   void book();
   /// Water that evaporates at the boiling temperature from the heat that the shell took in; sets its temperature.
@@ -130,6 +141,8 @@ class Step {
   const double* in_ = nullptr;
   double* out_ = nullptr;
   long in_stride_ = 0, stride_ = 0;
+  bool there_[k_bed_kinds] = {}, boils_ = false;  ///< in some lane
+  Range<S> range_;                                ///< of the temperatures that properties are asked for at
   B radius0_, surface_, emissivity_, area_, inner_, mass_film_, surface_gain_, surface_slope_, around_gain_,
       around_loss_, gain_, loss_, heat_in_, carried_, evaporated_, reaction_, with_gas_;
 };

@@ -6,25 +6,46 @@ namespace talus::conversion::bed {
 
 template <class S>
 void Step<S>::capacities() {
-  for (int i = 0; i < n; ++i) st(w_.capacity, i, S::set(1e-300));
-  for (int q = 0; q < k_bed_kinds; ++q) {
-    if (m.present[q] == 0) continue;
-    double *before = part(w_.before, q), *c = part(w_.specific, q);
-    sum_kind(q, before);
-    evaluate<S, true, true>(m.capacity[q], T_, n, c, part(w_.sensible, q));
-    for (int i = 0; i < n; ++i) st(w_.capacity, i, ld(w_.capacity, i) + ld(before, i) * ld(c, i));
+  range_ = {};
+  for (int i = 0; i < n; ++i) {
+    st(w_.capacity, i, S::set(1e-300));
+    range_.add(ld(T_, i));
   }
+  for (int q = 0; q < k_bed_kinds; ++q) {
+    if (!(there_[q] = holds(q))) continue;
+    double *before = part(w_.before, q), *specific = part(w_.specific, q), *sensible = part(w_.sensible, q);
+    const double* masses = of_kind(q, before);
+    each<S, true, true>(m.capacity[q], T_, range_, n, specific, sensible, [&](int i, B c, B h) {
+      const B x = ld(masses, i);
+      st(before, i, x), st(specific, i, c), st(sensible, i, h);
+      st(w_.capacity, i, ld(w_.capacity, i) + x * c);
+    });
+  }
+  if (m.asks_gas != 0)
+    each<S, true, true>(m.gas_capacity, T_, range_, n, w_.gas, w_.gas_heat,
+                        [&](int i, B c, B h) { st(w_.gas, i, c), st(w_.gas_heat, i, h); });
 }
 
 template <class S>
-void Step<S>::sum_kind(int q, double* to) const {
+bool Step<S>::holds(int q) const {
+  if (m.present[q] == 0 || m.changes[q] == 0 || m.grown[q] != 0) return m.present[q] != 0;
+  B most_of = S::set(0);
+  for (int k = m.first_of_kind[q]; k < m.first_of_kind[q + 1]; ++k)
+    for (int i = 0; i < n; ++i) most_of = most<S>(most_of, ld(mass(m.of_kind[k]), i));
+  return S::any(S::gt(most_of, S::set(0)));
+}
+
+template <class S>
+const double* Step<S>::of_kind(int q, double* to) const {
   const int from = m.first_of_kind[q], end = m.first_of_kind[q + 1];
   const double* first = mass(m.of_kind[from]);
+  if (end - from == 1) return first;
   for (int i = 0; i < n; ++i) st(to, i, ld(first, i));
   for (int k = from + 1; k < end; ++k) {
     const double* x = mass(m.of_kind[k]);
     for (int i = 0; i < n; ++i) st(to, i, ld(to, i) + ld(x, i));
   }
+  return to;
 }
 
 template <class S>
@@ -32,16 +53,18 @@ void Step<S>::geometry() {
   double* lambda[4] = {w_.heat, w_.slope, w_.flow, w_.next};  // free until later passes
   for (int q = 0; q < 4; ++q)
     if (q == 1 || (q == 0 && m.moisture_density > 0) || (q == 2) || (q == 3 && m.chars > 0))
-      evaluate<S, true, false>(m.conductivity[q], T_, n, lambda[q], nullptr);
+      each<S, true, false>(m.conductivity[q], T_, range_, n, lambda[q], nullptr,
+                           [&](int i, B k, B) { st(lambda[q], i, k); });
   const B cube = radius0_ * radius0_ * radius0_, per_cube = S::set(1) / cube, zero = S::set(0), one = S::set(1);
   B volume = zero, below = zero, below_area = zero, wide = zero, conducts = one;
   double* faces = cell(place_.face);
   const double *moist = part(w_.before, 0), *fuel = part(w_.before, 1), *coal = part(w_.before, 2);
+  const bool wet = m.moisture_density > 0, mixes = m.chars > 0;
   for (int i = 0; i < n; ++i) {
     ByKind<S> k{zero, zero, zero, zero};
-    if (m.present[0] != 0) k[0] = ld(moist, i);
-    if (m.present[1] != 0) k[1] = ld(fuel, i);
-    if (m.present[2] != 0) k[2] = ld(coal, i);
+    if (there_[0]) k[0] = ld(moist, i);
+    if (there_[1]) k[1] = ld(fuel, i);
+    if (there_[2]) k[2] = ld(coal, i);
     const Shares<S> shares = shares_of<S>(m, k, per_cube * S::set(m.per_volume[i]), burnt(i));
     const B t = ld(T_, i);
     volume = volume + cube * S::set(m.volume[i]) * most<S>(volume_share<S>(m, shares), S::set(1e-4));
@@ -50,8 +73,8 @@ void Step<S>::geometry() {
     st(w_.inverse, i, both * shell);
     const B face = old - (ball * old - volume) * (both * t);
     B wood = ld(lambda[1], i), rest = ld(lambda[2], i);
-    if (m.moisture_density > 0) wood = wood + shares.moisture * (ld(lambda[0], i) - wood);
-    if (m.chars > 0) rest = shares.char_left * rest + (one - shares.char_left) * ld(lambda[3], i);
+    if (wet) wood = wood + shares.moisture * (ld(lambda[0], i) - wood);
+    if (mixes) rest = shares.char_left * rest + (one - shares.char_left) * ld(lambda[3], i);
     const B share = m.by_mass != 0 ? k[1] / most<S>(k[1] + k[2], S::set(1e-300)) : shares.fuel;
     const B conductivity = most<S>(rest + share * (wood - rest), S::set(m.least_conductivity)), width = face - below;
     st(w_.conductance, i,
@@ -114,6 +137,7 @@ void Step<S>::film() {
 template <class S>
 void Step<S>::fronts() {
   const B tiny = S::set(1e-300), one = S::set(1), zero = S::set(0), two = S::set(2), trace = S::set(50);
+  const B least_part = S::set(1e-60);  // products of three stay numbers
   const B density = gas_density<S>(S::set(0.5) * (in(k_in_gas) + surface_), pressure_, m.gas_molar);
   const B oxidant[3] = {density * in(k_in_oxygen), density * in(k_in_carbon_dioxide), density * in(k_in_steam)};
   B way = one / most<S>(mass_film_ * area_, tiny), wet_open = one, char_open = one;
@@ -122,9 +146,13 @@ void Step<S>::fronts() {
   for (int i = n; i-- > 0;) {
     const B t = ld(T_, i), face = ld(faces, i), below = i > 0 ? ld(faces, i - 1) : zero;
     const B middle = S::set(0.5) * (face + below), surface = S::set(12.566370614359172) * middle * middle;
-    const B half = S::set(0.5) * (face - below) / most<S>(S::set(m.pores) * gas_diffusivity<S>(t) * surface, tiny);
-    const B first = cube * S::set(m.volume[i]);
-    const B dry0 = most<S>(first * S::set(m.fuel_density), tiny);
+    const B first = cube * S::set(m.volume[i]), dry0 = most<S>(first * S::set(m.fuel_density), tiny);
+    const B coal = m.chars > 0 && there_[2] ? ld(coals, i) : zero, gone = burnt(i);
+    const B char0 = most<S>(coal + gone, least_part);
+    // one division for the reciprocals of a passage, what there was of char, and all of the shell
+    const B passage = most<S>(S::set(m.pores) * gas_diffusivity<S>(t) * surface, least_part), whole = dry0 + char0;
+    const B chars = char0 * whole, all = one / (passage * chars);
+    const B half = S::set(0.5) * (face - below) * (all * chars);
     if (m.dries != 0) {
       const B wet = ld(mass(m.moisture), i);
       const B dried = half * two * (one - wet / most<S>(first * S::set(m.moisture_density), tiny));
@@ -138,19 +166,20 @@ void Step<S>::fronts() {
       st(w_.drying, i, K);
     }
     if (m.chars > 0) {
-      const B coal = m.present[2] != 0 ? ld(coals, i) : zero;
-      const B gone = burnt(i), ash = half * two * gone / most<S>(coal + gone, tiny);
-      const B front = char_open * least<S>(coal * trace / most<S>(dry0 + coal + gone, tiny), one);
+      const B shared = all * passage, ash = half * two * gone * (shared * whole);
+      const B front = char_open * least<S>(coal * trace * (shared * char0), one);
       char_open = char_open - front;
       for (int c = 0; c < m.chars; ++c) {
-        B K = zero;
+        B K = zero, x = zero;
         const BedChar& r = m.burning[c];
         if (S::any(S::gt(front * oxidant[r.oxidant], zero))) {
-          const B kinetic = one / most<S>(arrhenius<S>(r.A, r.n, r.E, t, one / t) * surface, tiny);
+          x = monoxide_share<S>(r, ld(w_.inverse, i));
+          const B kinetic = one / most<S>(arrhenius<S>(r.A, r.n, r.E, t, ld(w_.inverse, i)) * surface, tiny);
           const B flow = front * oxidant[r.oxidant] / (way + ash + kinetic);
-          K = steady<S>(flow / (S::set(m.char_carbon) * yield_of<S>(r, t).oxidant) * dt_ / most<S>(coal, tiny));
+          K = steady<S>(flow / (S::set(m.char_carbon) * yield_of<S>(r, x).oxidant) * dt_ / most<S>(coal, tiny));
         }
         st(part(w_.burning, c), i, K);
+        st(part(w_.monoxide, c), i, x);
       }
     }
     way = way + half + half;
@@ -159,12 +188,13 @@ void Step<S>::fronts() {
 
 template <class S>
 void Step<S>::judge() {
-  if (m.fuel_density == 0) return;
+  if (!there_[1]) return;
   const B zero = S::set(0), cube = radius0_ * radius0_ * radius0_;
   const double* fuel = part(w_.before, 1);
+  const B some = S::set(0.05 * m.fuel_density) * cube;
   B flow = zero, holds = S::set(1);
   for (int i = 1; i < n; ++i) {
-    const auto left = S::gt(ld(fuel, i), S::set(0.05 * m.fuel_density * m.volume[i]) * cube);
+    const auto left = S::gt(ld(fuel, i), S::set(m.volume[i]) * some);
     const B g = S::select(left, ld(w_.conductance, i), zero), c = ld(w_.capacity, i);
     const auto worse = S::gt(g * holds, flow * c);
     flow = S::select(worse, g, flow);

@@ -78,8 +78,10 @@ struct Laser {
 
 struct HeatScene {
   bool on = false;
-  std::int64_t every = 100;  ///< steps per heat step
-  double temperature = 0;    ///< at the start, of grains whose source gives none [K]
+  std::int64_t every = 100;     ///< steps per heat step
+  double error = 0;             ///< wanted of temperatures [K]: every times a power of two; 0: always `every`
+  std::int64_t every_most = 0;  ///< most steps then; 0: k_heat_growth times every
+  double temperature = 0;       ///< at the start, of grains whose source gives none [K]
   HeatSoftening softening = HeatSoftening::impact;
   bool friction = false;            ///< what contacts dissipate heats the grains
   std::vector<MatterHeat> matter;   ///< by material
@@ -90,6 +92,8 @@ struct HeatScene {
   RadiationHeat radiation;
   std::vector<Laser> lasers;
 };
+
+inline constexpr std::int64_t k_heat_growth = 64;
 
 /// Distance from the middle of a grain of radius r within which it exchanges something with a wall [m].
 inline double heat_reach(const HeatScene& h, double r) noexcept {

@@ -174,13 +174,15 @@ class Heat final : public Part, public GrainHeat {
     std::swap(s_.molten.share, s_.molten.next);
     std::swap(s_.sizes.radii, s_.sizes.next);
     s_.totals = s_.totals_before;
+    s_.pace.steps = s_.pace.steps_before;
+    s_.pace.error = s_.pace.error_before;
     s_.last_step = -1;
   }
 
   std::vector<PartValue> values(const PartView& w) const override;
   bool resizes() const override { return s_.sizes.any; }
   void sizes(const PartView& w, const Chunk&, const RowSizes& s) const override {
-    const double share = static_cast<double>(w.clock.step % s_.scene.every + 1) / static_cast<double>(s_.scene.every);
+    const double share = static_cast<double>(w.clock.step % s_.pace.steps + 1) / static_cast<double>(s_.pace.steps);
     for (Row i = s.lo; i < s.hi; ++i) {
       if (!w.rows.is_alive(i) || !(s_.matter[static_cast<std::size_t>(s_.material(w, i))].expansion > 0)) continue;
       const double *r = s_.sizes.radii.data() + 3L * i, from = r[0], to = r[1];
@@ -202,11 +204,15 @@ class Heat final : public Part, public GrainHeat {
       all.push_back(x);
     for (const auto* list : {&s_.wall_flow, &s_.wall_heat, &s_.source_flow})
       all.insert(all.end(), list->begin(), list->end());
+    if (s_.scene.error > 0) all.insert(all.end(), {static_cast<double>(s_.pace.steps), s_.pace.error});
     std::vector<std::uint8_t> bytes(all.size() * sizeof(double));
     std::memcpy(bytes.data(), all.data(), bytes.size());
     return bytes;
   }
   void load(std::span<const std::uint8_t> bytes, const std::string& where) override;
+  std::uint64_t hash() const override {
+    return s_.scene.error > 0 ? static_cast<std::uint64_t>(s_.pace.steps) * 0x9e3779b97f4a7c15ULL : 0;
+  }
 
  private:
   void add_losses(const PartView& w, const Chunk& c) {
@@ -232,7 +238,15 @@ void Heat::load(std::span<const std::uint8_t> bytes, const std::string& where) {
   HeatTotals& t = s_.totals;
   for (double* x : {&t.sources, &t.removed, &t.walls, &t.gas, &t.radiation, &t.friction, &t.held, &t.inside})
     *x = *at++;
-  if (all.size() != 10 + 2 * static_cast<std::size_t>(all[0]) + static_cast<std::size_t>(all[1])) fail();
+  const std::size_t paced = s_.scene.error > 0 ? 2 : 0;
+  if (all.size() != 10 + 2 * static_cast<std::size_t>(all[0]) + static_cast<std::size_t>(all[1]) + paced) fail();
+  if (paced > 0) s_.pace.steps = static_cast<std::int64_t>(all[all.size() - 2]), s_.pace.error = all.back();
+  std::int64_t length = s_.scene.every;
+  while (length < s_.pace.steps) length *= 2;
+  if (length != s_.pace.steps)
+    throw Error(ErrorCode::scene,
+                fmt::format("the present heat step has {} steps, no power of two times heat.every", s_.pace.steps),
+                where, "heat.every as before");
   // a scene that names other walls than before begins their sums anew
   if (all[0] != static_cast<double>(s_.wall_flow.size()) || all[1] != static_cast<double>(s_.source_flow.size()))
     return;
@@ -270,6 +284,10 @@ std::vector<PartValue> Heat::values(const PartView& w) const {
     out.push_back({"heat.molten", "kg", sum_rows(w.rows, [&](std::size_t i) {
                      return mass_of(rules_, w.rows, static_cast<Row>(i)) * s_.molten.share[i];
                    })});
+  if (s_.scene.error > 0) {
+    out.push_back({"heat.steps", "", static_cast<double>(s_.pace.steps)});
+    out.push_back({"heat.step_error", "K", s_.pace.error});
+  }
   if (part_as<GrainInside>(w.parts) != nullptr) out.push_back({"heat.into_shells", "J", -t.inside});
   for (std::size_t k = 0; k < s_.scene.walls.size(); ++k)
     out.push_back({"heat.flow." + s_.scene.walls[k].wall, "W", s_.wall_flow[k]});
@@ -302,6 +320,7 @@ void Heat::add_conductivities(const PartView& w, std::vector<PartValue>& out) co
 }  // namespace
 
 HeatState::HeatState(const Rules& rules) : scene(rules.scene.heat) {
+  pace.steps = scene.every;
   const double cold = coldest(scene);
   for (const MatterHeat& m : scene.matter) {
     HeatMatter q;

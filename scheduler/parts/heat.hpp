@@ -12,6 +12,7 @@
 
 #include <vector>
 
+#include "core/heat/contact.hpp"
 #include "core/heat/convection.hpp"
 #include "core/heat/enthalpy.hpp"
 #include "scheduler/parts/doors.hpp"
@@ -30,10 +31,14 @@ struct HeatMatter {
 /// Contacts of two materials.
 struct HeatPair {
   enum class Radius { overlap, force, neck } radius = Radius::overlap;
-  double scale = 1;                                ///< on the radius: softened contacts
-  double kn = 0, e_star = 0;                       ///< Radius::force [N/m], [Pa]
-  double kappa = 0;                                ///< Radius::neck [m]
-  double of(double r_star, double overlap) const;  ///< radius of the contact [m]
+  double scale = 1;                                 ///< on the radius: softened contacts
+  double kn = 0, e_star = 0;                        ///< Radius::force [N/m], [Pa]
+  double kappa = 0;                                 ///< Radius::neck [m]
+  double of(double r_star, double overlap) const {  ///< radius of the contact [m]
+    if (radius == Radius::overlap) return scale * heat::hertz_contact_radius(r_star, overlap);
+    return radius == Radius::force ? heat::hertz_radius_of_force(r_star, kn * overlap, e_star)
+                                   : scale * heat::jkr_contact_radius(r_star, overlap, kappa);
+  }
 };
 
 /// What has come in since the start [J].
@@ -53,6 +58,13 @@ struct HeatSizes {
 struct HeatFluxes {
   std::vector<double> shares;
   std::int64_t step = -1;
+};
+
+/// How many steps the present heat step has: `every`, or `every` 2^k where an error is wanted (heat_pace.cpp). It ends
+/// behind step n with (n + 1) mod steps = 0, so that it has begun where the last one ended.
+struct HeatPace {
+  std::int64_t steps = 1, steps_before = 1;
+  double error = 0, error_before = 0;  ///< half of the largest change of temperature in the last heat step [K]
 };
 
 /// State of the part; its nodes are free functions of it.
@@ -77,18 +89,25 @@ struct HeatState {
   std::vector<double> wall_area;             ///< of those with a flux [m2]; known from the first heat step on
   std::vector<double> source_flow;           ///< of sources that hold their temperature [W]
   std::int64_t last_step = -1;               ///< that ended with a heat step
+  HeatPace pace;
   mutable HeatFluxes fluxes;
   const Clock* clock = nullptr;
 
-  double dt(const PartView& w) const { return w.rules.scene.dt * static_cast<double>(scene.every); }
+  double dt(const PartView& w) const { return w.rules.scene.dt * static_cast<double>(pace.steps); }
   double middle(const PartView& w) const;  ///< time of the present heat step's middle [s]
-  int material(const PartView& w, Row i) const;
+  bool ends(const PartView& w) const { return (w.clock.step + 1) % pace.steps == 0; }  ///< the heat step, behind this
+  int material(const PartView& w, Row i) const { return w.rules.has.materials ? w.rows.material[i] : 0; }
   bool has_shells(const PartView& w, Row i) const { return shells[static_cast<std::size_t>(material(w, i))] != 0; }
   /// Heat step over the longest in which row i cannot overshoot: dt times its conductance over the capacity that
   /// follows at once; of a grain with shells that of the outermost one, behind half of it.
   double excess(const PartView& w, const GrainInside* inside, Row i) const;
+  /// The same if six others of its kind touched row i by a hundredth of its radius.
+  double excess_in_a_bed(const PartView& w, Row i) const;
   /// Of the surface; `inside`: null without grains that have shells.
-  double conductivity(const PartView& w, const GrainInside* inside, Row i) const;
+  double conductivity(const PartView& w, const GrainInside* inside, Row i) const {
+    if (inside != nullptr && has_shells(w, i)) return inside->surface(i).conductivity;
+    return matter[static_cast<std::size_t>(material(w, i))].conductivity.at(temperature[static_cast<std::size_t>(i)]);
+  }
   double emissivity(const PartView& w, const GrainInside* inside, Row i) const;
   const HeatPair& pair(int a, int b) const {
     return pairs[static_cast<std::size_t>(a) * matter.size() + static_cast<std::size_t>(b)];
@@ -100,9 +119,11 @@ double heat_of_pair(const HeatState& s, const PartView& w, Row i, Row j, double 
 /// The same of a contact with a wall. [W]; heat_walls.cpp
 double heat_of_wall(const HeatState& s, const PartView& w, Row i, int wall, double overlap);
 std::vector<int> heat_wall_entries(const HeatState& s, const WallSet& walls);  ///< [[heat.wall]] of each wall, or -1
-void heat_walls(HeatState& s, const PartView& w);                 ///< heat_walls.cpp: adds to flow, conductance
-void heat_step(HeatState& s, const PartView& w);                  ///< heat_step.cpp
-GasNear given_gas(const HeatState& s, const PartView& w, Row i);  ///< of [heat.gas]; heat_step.cpp
-std::vector<std::string> heat_advice(const HeatState& s, const PartView& w);  ///< heat_advice.cpp
+void heat_walls(HeatState& s, const PartView& w);  ///< heat_walls.cpp: adds to flow, conductance
+void heat_step(HeatState& s, const PartView& w);   ///< heat_step.cpp
+/// Steps of the next heat step, from the largest change of a temperature [K] and the largest excess in the last one.
+void choose_pace(HeatState& s, const PartView& w, double change, double excess);  ///< heat_pace.cpp
+GasNear given_gas(const HeatState& s, const PartView& w, Row i);                  ///< of [heat.gas]; heat_step.cpp
+std::vector<std::string> heat_advice(const HeatState& s, const PartView& w);      ///< heat_advice.cpp
 
 }  // namespace talus

@@ -55,15 +55,20 @@ std::vector<std::string> heat_advice(const HeatState& s, const PartView& w) {
                     : fmt::format("its inside lags behind, errors of about {:.0f} %; it would need shells, {} or more",
                                   std::min(100.0, 60 * biot), biot < 3 ? 10 : 20)));
   }
-  if (excess > 0)
+  if (s.scene.error > 0)
     lines.push_back(fmt::format(
-        "every = {} ({:.3g} s); by what grains exchange now at most {}, for errors of about 1 % "
-        "of a change {}",
-        s.scene.every, s.dt(w), static_cast<std::int64_t>(static_cast<double>(s.scene.every) / excess),
-        std::max<std::int64_t>(1, static_cast<std::int64_t>(0.02 * static_cast<double>(s.scene.every) / excess))));
-  else
-    lines.push_back(fmt::format("every = {} ({:.3g} s); the largest that is allowed is known after the first heat step",
-                                s.scene.every, s.dt(w)));
+        "error = {:.3g} K: heat steps of {} to {} steps, `every` times a power of two as the temperatures let it",
+        s.scene.error, s.scene.every, s.scene.every_most > 0 ? s.scene.every_most : k_heat_growth * s.scene.every));
+  const std::string now =
+      fmt::format("{} {} ({:.3g} s)", s.scene.error > 0 ? "the present one has" : "every =", s.pace.steps, s.dt(w));
+  if (excess > 0) {
+    const double most = static_cast<double>(s.pace.steps) / excess;
+    lines.push_back(fmt::format("{}; by what grains exchange now at most {}, for errors of about 1 % of a change {}",
+                                now, static_cast<std::int64_t>(most),
+                                std::max<std::int64_t>(1, static_cast<std::int64_t>(0.02 * most))));
+  } else {
+    lines.push_back(now + "; the largest that is allowed is known after the first heat step");
+  }
   return lines;
 }
 

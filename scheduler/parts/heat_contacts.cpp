@@ -8,22 +8,11 @@
 
 namespace talus {
 
-double HeatPair::of(double r_star, double overlap) const {
-  switch (radius) {
-    case Radius::overlap:
-      return scale * heat::hertz_contact_radius(r_star, overlap);
-    case Radius::force:
-      return heat::hertz_radius_of_force(r_star, kn * overlap, e_star);
-    case Radius::neck:
-      return scale * heat::jkr_contact_radius(r_star, overlap, kappa);
-  }
-  return 0;
-}
-
 namespace {
 
 /// [W/K]
-double conductance_of(const HeatState& s, const PartView& w, const GrainInside* inside, Row i, Row j, double overlap) {
+inline double conductance_of(const HeatState& s, const PartView& w, const GrainInside* inside, Row i, Row j,
+                             double overlap) {
   const double radius =
       s.pair(s.material(w, i), s.material(w, j)).of(heat::reduced(w.rows.p[4L * i + 3], w.rows.p[4L * j + 3]), overlap);
   return heat::contact_conductance(s.conductivity(w, inside, i), s.conductivity(w, inside, j), radius);
@@ -37,6 +26,7 @@ double heat_of_pair(const HeatState& s, const PartView& w, Row i, Row j, double 
 }
 
 void heat_contacts(HeatState& s, const PartView& w, const Chunk& c) {
+  if (!s.ends(w)) return;
   const Scratch& t = *c.scratch;
   const double *T = s.temperature.data(), *p = w.rows.p.data();
   double *flow = s.flow.data(), *conductance = s.conductance.data();

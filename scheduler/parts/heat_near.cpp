@@ -14,7 +14,7 @@ std::array<int, 3> NearGrid::cell_of(const double* x) const {
   return c;
 }
 
-NearGrid::NearGrid(const PartView& w, double reach) {
+NearGrid::NearGrid(const PartView& w, double reach, bool fixed_alone) {
   const double wanted = std::max(reach, 1e-300), room = 4.0 * (static_cast<double>(w.rows.n) + 64);
   double edge = wanted;
   const auto cells = [&](double e, int k) { return std::max(1.0, __builtin_floor(w.rules.size[k] / e)); };
@@ -28,7 +28,7 @@ NearGrid::NearGrid(const PartView& w, double reach) {
                 0);
   std::vector<std::int32_t> of(static_cast<std::size_t>(w.rows.n), -1);
   for (Row i = 0; i < w.rows.n; ++i) {
-    if (!w.rows.is_alive(i)) continue;
+    if (!w.rows.is_alive(i) || (fixed_alone && w.rows.fixed[i] == 0)) continue;
     const auto c = cell_of(w.rows.p.data() + 4L * i);
     of[static_cast<std::size_t>(i)] = index(c[0], c[1], c[2]);
     ++first_[static_cast<std::size_t>(of[static_cast<std::size_t>(i)]) + 1];

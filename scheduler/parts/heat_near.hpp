@@ -8,11 +8,11 @@
 
 namespace talus {
 
-/// Cells of an edge of at least `reach` over the domain; every living row lies in one.
+/// Cells of an edge of at least `reach` over the domain; every living row lies in one, or every fixed one.
 class NearGrid {
  public:
-  NearGrid(const PartView& w, double reach);
-  /// Living rows other than i whose cells meet that of i, ascending.
+  NearGrid(const PartView& w, double reach, bool fixed_alone);
+  /// Rows of it other than i whose cells meet that of i, ascending.
   void partners(const PartView& w, Row i, std::vector<Row>& out) const;
 
  private:

@@ -41,6 +41,7 @@ struct BlockSums {
   std::vector<double> source, wall;
   Row worst = -1;  ///< row whose step is farthest beyond its limit
   double excess = 1;
+  double change = 0, nearest = 0;  ///< largest change of a temperature [K]; largest excess, in a bed too
 };
 
 class HeatStep {
@@ -56,13 +57,17 @@ class HeatStep {
     sums_.resize(static_cast<std::size_t>(blocks_));
   }
 
-  void run() {
+  /// Returns the largest change of a temperature and the largest excess.
+  std::pair<double, double> run() {
     for (BlockSums& b : sums_) b.wall.assign(s_.scene.walls.size(), 0.0);
     if (reaches() || w_.rules.has.fixed) find_near();
     w_.blocks(blocks_, [&](int b) { exchange(b); });
     refuse_overshoot();
     w_.blocks(blocks_, [&](int b) { advance(b); });
     add_up();
+    double change = 0, nearest = 0;
+    for (const BlockSums& b : sums_) change = fmax2(change, b.change), nearest = fmax2(nearest, b.nearest);
+    return {change, nearest};
   }
 
  private:
@@ -95,9 +100,9 @@ class HeatStep {
   }
 
   void find_near() {
-    const NearGrid grid(w_, reach(w_.rules.r_max, w_.rules.r_max));
+    const NearGrid grid(w_, reach(w_.rules.r_max, w_.rules.r_max), !reaches());
     near_.resize(static_cast<std::size_t>(blocks_));
-    shade_.assign(static_cast<std::size_t>(w_.rows.n), 1.0);
+    if (reaches()) shade_.assign(static_cast<std::size_t>(w_.rows.n), 1.0);
     entry_ = heat_wall_entries(s_, w_.walls);
     w_.blocks(blocks_, [&](int b) { find_near(grid, b); });
   }
@@ -106,6 +111,8 @@ class HeatStep {
     NearRows& near = near_[static_cast<std::size_t>(b)];
     std::vector<Row> partners;
     std::vector<std::int32_t> elements;
+    near.first.reserve(k_rows + 1);
+    near.first_wall.reserve(k_rows + 1);
     const Box box = w_.rules.scene.domain.box();
     const GapHeat& gap = s_.scene.gap;
     for_rows(b, [&](Row i) {
@@ -131,7 +138,7 @@ class HeatStep {
         if (n.gap > 0 || n.area > 0) near.all.push_back(n);
       }
       // more than the whole surface cannot be seen: those behind stand in the shade of those before
-      shade_[static_cast<std::size_t>(i)] = seen > surface(i) ? surface(i) / seen : 1.0;
+      if (seen > surface(i)) shade_[static_cast<std::size_t>(i)] = surface(i) / seen;
     });
     near.first.push_back(static_cast<std::int32_t>(near.all.size()));
     near.first_wall.push_back(static_cast<std::int32_t>(near.walls.size()));
@@ -186,7 +193,8 @@ class HeatStep {
     for (std::int32_t k = near.first_wall[q]; k < near.first_wall[q + 1]; ++k) {
       const NearWall& n = near.walls[static_cast<std::size_t>(k)];
       const auto wall = static_cast<std::size_t>(n.entry);
-      const double other = s_.scene.walls[wall].temperature(s_.middle(w_)), area = n.area * shade_[at];
+      const double other = s_.scene.walls[wall].temperature(s_.middle(w_)),
+                   area = n.area > 0 ? n.area * shade_[at] : 0.0;
       seen = seen + area;
       const double g =
           n.gap + heat::k_stefan * (area * heat::grey_factor(e, n.emissivity)) * heat::radiant_slope(T, other);
@@ -239,6 +247,7 @@ class HeatStep {
       if (s_.any_held && s_.held[at] > 0) return;
       const double beyond = s_.excess(w_, inside_, i);
       if (!(beyond <= sum.excess)) sum.excess = beyond, sum.worst = i;
+      if (s_.scene.error > 0) sum.nearest = fmax2(sum.nearest, fmax2(beyond, s_.excess_in_a_bed(w_, i)));
     });
   }
 
@@ -247,14 +256,16 @@ class HeatStep {
     for (const BlockSums& b : sums_)
       if (b.worst >= 0 && (worst == nullptr || !(b.excess <= worst->excess))) worst = &b;
     if (worst == nullptr) return;
-    const double most = static_cast<double>(s_.scene.every) / worst->excess;
+    const double most = static_cast<double>(s_.pace.steps) / worst->excess;
+    const bool chosen = s_.scene.error > 0 && most >= static_cast<double>(s_.scene.every);
     throw StepFailure(
         {w_.rows.id[worst->worst]},
         fmt::format("the heat step of {:.6g} s is too long for grain {}: it would overshoot what surrounds it", dt_,
                     w_.rows.id[worst->worst]),
-        most >= 1 ? fmt::format("heat.every = {} at most{}", static_cast<std::int64_t>(most),
-                                gas_ != nullptr || inside_ != nullptr ? ", with it that of conversion and gas" : "")
-                  : fmt::format("heat.every = 1 and time.step = {:.3g} at most", most * w_.rules.scene.dt));
+        most >= 1
+            ? fmt::format("heat.{} = {} at most{}", chosen ? "every_most" : "every", static_cast<std::int64_t>(most),
+                          gas_ != nullptr || inside_ != nullptr ? ", with it that of conversion and gas" : "")
+            : fmt::format("heat.every = 1 and time.step = {:.3g} at most", most * w_.rules.scene.dt));
   }
 
   // --- the new state -------------------------------------------------------------------------------------------------
@@ -286,6 +297,7 @@ class HeatStep {
         s_.next_temperature[at] = matter(i).enthalpy.temperature(per_mass, s_.temperature[at]);
         if (s_.molten.any) s_.molten.next[at] = matter(i).enthalpy.molten(per_mass);
       }
+      sum.change = fmax2(sum.change, __builtin_fabs(s_.next_temperature[at] - s_.temperature[at]));
       if (s_.sizes.any) expand(i);
       if (!(s_.next_temperature[at] > 0)) sum.worst = i;
     });
@@ -336,12 +348,6 @@ class HeatStep {
 
 }  // namespace
 
-double HeatState::middle(const PartView& w) const {
-  return (static_cast<double>(w.clock.step + 1) - 0.5 * static_cast<double>(scene.every)) * w.rules.scene.dt;
-}
-
-int HeatState::material(const PartView& w, Row i) const { return w.rules.has.materials ? w.rows.material[i] : 0; }
-
 GasNear given_gas(const HeatState& s, const PartView& w, Row i) {
   const GasHeat& g = s.scene.gas;
   if (!g.on) return {};
@@ -356,17 +362,6 @@ GasNear given_gas(const HeatState& s, const PartView& w, Row i) {
   return gas;
 }
 
-double HeatState::excess(const PartView& w, const GrainInside* inside, Row i) const {
-  const double g = conductance[static_cast<std::size_t>(i)];
-  if (inside == nullptr || !has_shells(w, i))
-    return dt(w) * g / (mass_of(w.rules, w.rows, i) * matter[static_cast<std::size_t>(material(w, i))].least_capacity);
-  const GrainSurface shell = inside->surface(i);
-  return g > 0 ? dt(w) * (g * shell.inner / (g + shell.inner)) / shell.capacity : 0;
-}
-double HeatState::conductivity(const PartView& w, const GrainInside* inside, Row i) const {
-  if (inside != nullptr && has_shells(w, i)) return inside->surface(i).conductivity;
-  return matter[static_cast<std::size_t>(material(w, i))].conductivity.at(temperature[static_cast<std::size_t>(i)]);
-}
 double HeatState::emissivity(const PartView& w, const GrainInside* inside, Row i) const {
   if (inside != nullptr && has_shells(w, i)) return inside->surface(i).emissivity;
   return matter[static_cast<std::size_t>(material(w, i))].emissivity;
@@ -374,14 +369,18 @@ double HeatState::emissivity(const PartView& w, const GrainInside* inside, Row i
 
 void heat_step(HeatState& s, const PartView& w) {
   s.clock = &w.clock;
+  if (!s.ends(w)) return;
   s.totals_before = s.totals;
+  s.pace.steps_before = s.pace.steps;
+  s.pace.error_before = s.pace.error;
   heat_walls(s, w);
-  HeatStep(s, w).run();
+  const auto [change, excess] = HeatStep(s, w).run();
   std::swap(s.temperature, s.next_temperature);
   std::swap(s.enthalpy, s.next_enthalpy);
   std::swap(s.molten.share, s.molten.next);
   std::swap(s.sizes.radii, s.sizes.next);
   s.last_step = w.clock.step;
+  if (s.scene.error > 0) choose_pace(s, w, change, excess);
 }
 
 }  // namespace talus

@@ -47,6 +47,11 @@ TEST(HeatKeys, MaterialsTakeWhatTheyLackFromHeat) {
 
 TEST(HeatKeys, WhatCannotBeRightIsRefusedWithItsPlace) {
   const std::string heat = k_materials + "[heat]\ntemperature = 300\ncapacity = 800\nconductivity = 1\n";
+  EXPECT_CONTAINS(refusal(heat + "every_most = 400\n"), "heat.every_most: 400: has no effect without error");
+  EXPECT_CONTAINS(refusal(heat + "error = 1\nevery_most = 40\n"), "heat.every_most: 40: must not be below every (100)");
+  EXPECT_CONTAINS(refusal(heat + "error = 0\n"), "heat.error");
+  EXPECT_CONTAINS(refusal(heat + "error = 1\n[gas]\ncells = [4, 4, 4]\n"),
+                  "heat.error: 1: cannot be kept beside [gas]");
   EXPECT_CONTAINS(refusal(k_materials + "[heat]\ntemperature = 300\ncapacity = 800\n"), "heat.conductivity: missing");
   EXPECT_CONTAINS(refusal(k_materials + "[heat]\ncapacity = 800\nconductivity = 1\n"), "heat.temperature: missing");
   EXPECT_CONTAINS(refusal(k_materials + "[heat]\ntemperature = -5\ncapacity = 1\nconductivity = 1\n"),

@@ -48,6 +48,30 @@ TEST(HeatPart, ResumeGoesOnToTheBitBetweenTwoHeatSteps) {
   expect_same_after_resume(s, k_run, {733});  // 8 steps into a heat step
 }
 
+/// Steps of a length that the temperatures choose.
+Scene paced(Scene s) {
+  s.heat.every = 4;
+  s.heat.error = 3;
+  s.heat.sources.back() = {350, false};
+  return s;
+}
+
+TEST(HeatPart, ChosenHeatStepsDependOnTheTrajectoryAloneAndGoOnAfterAResume) {
+  const Scene s = paced(heated(sheared_bed()));
+  const Variant plain{ListPolicy::local, 200, 1, 0, Isa::automatic};
+  Simulation first(plain.apply(s), plain.options());
+  std::vector<double> lengths;
+  for (std::int64_t done = 0; done < k_run; done += 100) {
+    first.run(100);
+    if (lengths.empty() || lengths.back() != value_of(first, "heat.steps"))
+      lengths.push_back(value_of(first, "heat.steps"));
+  }
+  EXPECT_GE(lengths.size(), 2U) << "they change";
+  EXPECT_LT(std::fabs(value_of(first, "heat.residual")), 1e-11 * value_of(first, "heat.total"));
+  expect_same_in_other_ways(s, k_run, final_of(first));
+  expect_same_after_resume(s, k_run, {733});
+}
+
 TEST(HeatPart, ChangesNoMotionAndIsLeftOutWhereTheSceneDoesNotAsk) {
   const Scene s = hopper();
   Simulation without(s, RunOptions{}), with(heated(s), RunOptions{});

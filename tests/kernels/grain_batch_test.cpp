@@ -115,6 +115,39 @@ TEST(GrainBatch, ExponentialAndLogarithmHaveTheBitsOfTheScalarOnes) {
   EXPECT_EQ(bed::exponential<shapes::Plain>(1e300), det::exp(700));
 }
 
+TEST(GrainBatch, PowersOfTwoKeepTheirDigitsBesideOne) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> exponent(-45, 2.8);
+  for (int k = 0; k < 100000; ++k) {
+    const double x = -std::exp(2.302585 * exponent(random));  // -1e-45 to -600
+    const auto p = bed::power_of_two<shapes::Plain>(x);
+    ASSERT_NEAR((p.scale + p.more) / std::exp2(x), 1, 6e-12) << x;
+    ASSERT_NEAR(((1 - p.scale) - p.more) / -std::expm1(x * det::k_ln2), 1, 2e-11) << x;
+  }
+  const auto least = bed::power_of_two<shapes::Plain>(-1e300);
+  EXPECT_EQ(least.scale + least.more, std::exp2(-1000));
+}
+
+TEST(GrainBatch, TracesOfASolidReactAwaySoThatItEndsAtZero) {
+  const Matter m = burning_wet_wood(Drying::boiling);
+  Bed b(m, 10, 3, 0.002, 300, 0.5);
+  furnace(b);
+  b.run("scalar", 0.02, 6000);
+  const BedMatter& t = b.tables.matter();
+  const BedRow at = bed_row(t);
+  for (const auto& row : b.rows)
+    for (int s = 0; s < t.solids; ++s)
+      for (int i = 0; i < t.shells; ++i) {
+        const double x = row[static_cast<std::size_t>(at.mass + s * t.shells + i)];
+        const double r = row[static_cast<std::size_t>(at.radius0)], first = 600 * t.volume[i] * (r * r * r);
+        ASSERT_TRUE(x == 0 || x > 1e-16 * first) << s << ' ' << i << ' ' << x / first;
+        if (s == static_cast<int>(m.solid("wood")) || s == t.moisture) {
+          ASSERT_EQ(x, 0);
+        }
+      }
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(b.out_of(k_out_ash, k) / b.start[k].ash, 1, 1e-14) << "ash stays";
+}
+
 TEST(GrainBatch, GivesEachGrainTheSameBitsOnEveryInstructionSetAndBesideEveryNeighbour) {
   for (const Drying law : {Drying::boiling, Drying::equilibrium}) {
     const Matter m = burning_wet_wood(law);

@@ -28,6 +28,18 @@ const Keys<General> k_heat(
             "steps per heat step; a heat step in which a grain would overshoot its surroundings ends the run and says "
             "how many steps are allowed",
             "50"),
+        key("error", &General::error, "K", k_positive,
+            "wanted error of temperatures: a heat step then has `every` steps times a power of two, so that half of "
+            "what it changes any temperature by stays below this, as far as `every` and every_most let it. For grains "
+            "with one temperature: not beside [conversion], [gas] or [[laser]]. The series gains heat.steps, those of "
+            "the present heat step, and heat.step_error, half of the largest change of the last one",
+            "0.5")
+            .absent("(each heat step has `every` steps)")
+            .fixed("the present heat step has begun by it"),
+        key("every_most", &General::every_most, "steps", {1, 1e9}, "most steps per heat step where error is given",
+            "3200")
+            .absent("(64 times every)")
+            .beside("error = 0.5"),
         key("capacity", &General::capacity, "J/kg/K", k_positive, "heat capacity of materials that give none", "800")
             .absent("(required unless every material gives it)")
             .fixed(k_enthalpy)
@@ -240,6 +252,15 @@ void check_young(const SceneTable& heat, const Scene& scene) {
     heat.fail("softening", "has no effect with the linear law, whose force is taken as the load");
 }
 
+void check_pace(const SceneTable& root, const SceneTable& heat, const HeatScene& h) {
+  if (heat.has("every_most") && !heat.has("error")) heat.fail("every_most", "has no effect without error");
+  if (heat.has("every_most") && h.every_most < h.every)
+    heat.fail("every_most", fmt::format("must not be below every ({})", h.every));
+  for (const char* other : {"conversion", "gas", "laser"})
+    if (heat.has("error") && root.has(other))
+      heat.fail("error", fmt::format("cannot be kept beside [{}], whose steps all have `every` steps", other));
+}
+
 void refuse_without_heat(const SceneTable& root) {
   const char* none = "has no effect without a [heat] section";
   for (const SceneTable& m : root.sections("material"))
@@ -258,6 +279,7 @@ void read(const SceneTable& root, Scene& scene) {
   h.on = true;
   read_matter(r, root.sections("material"), general, h);
   check_young(r, scene);
+  check_pace(root, r, h);
   const std::vector<SceneTable> sources = root.sections("source");
   for (const SceneTable& s : sources) {
     SourceHeat source;
