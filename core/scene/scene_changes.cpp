@@ -67,6 +67,8 @@ class Judge {
     if ((section == "source" || section == "source.region") && table.rule == AtResume::physics && !stream(value))
       return fixed_by("only a stream can deliver differently from now on");
     if (section == "event" && past_differs_) return fixed_by("an event that has happened cannot be changed");
+    if (value.name == "every" && within_a_step(section))
+      return fixed_by("the state is within a step of this length: go on from a checkpoint between two");
     if (section == "output" && value.name == "energies")
       return after_.output.energies ? fixed_by("the balance has to begin with the run") : k_free;
     if (section == "output.plane" && before_.output.flux_planes.empty()) return k_free;
@@ -96,6 +98,17 @@ class Judge {
       return at < s.sources.size() && s.sources[at].kind == Source::Kind::stream;
     };
     return is_stream(before_) && is_stream(after_);
+  }
+
+  /// Heat, conversion and gas sum over `every` steps, which the state is in the middle of.
+  bool within_a_step(const std::string& section) const {
+    const auto length = [&](const Scene& s) {
+      return section == "heat"         ? s.heat.every
+             : section == "conversion" ? s.conversion.every
+             : section == "gas"        ? s.gas.every
+                                       : 1;
+    };
+    return step_ % length(before_) != 0 || step_ % length(after_) != 0;
   }
 
   const Scene &before_, &after_;

@@ -112,6 +112,23 @@ TEST(SceneChanges, OnlyAStreamMayDeliverDifferently) {
   EXPECT_EQ(all[0].rule, AtResume::fixed);
 }
 
+/// In the middle of a heat step its sums belong to the length that it began with.
+TEST(SceneChanges, HeatStepsGetAnotherLengthOnlyBetweenTwo) {
+  const auto changed = [](int from, int to, std::int64_t step) {
+    const auto heated = [](int every) {
+      return scene({"heat.temperature=290", "heat.capacity=800", "heat.conductivity=0.2",
+                    "heat.every=" + std::to_string(every)});
+    };
+    const std::vector<SceneChange> all = scene_changes({{}, heated(from)}, heated(to), step);
+    EXPECT_EQ(all.size(), 1U);
+    return all.at(0).rule;
+  };
+  EXPECT_EQ(changed(10, 5, 12), AtResume::fixed);
+  EXPECT_EQ(changed(10, 20, 30), AtResume::fixed);
+  EXPECT_EQ(changed(10, 5, 30), AtResume::physics);
+  EXPECT_EQ(changed(10, 20, 40), AtResume::physics);
+}
+
 TEST(SceneChanges, WallsAreKnownByNameAndShape) {
   const Scene before = scene().scene;
   EXPECT_TRUE(wall_numbers(before, scene({"wall.1.motion.velocity=[2,0,0]"}).scene).empty());
