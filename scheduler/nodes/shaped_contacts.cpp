@@ -13,12 +13,20 @@ struct ShapedLane {
   Vec3 sum;     ///< of the arms of the last step [m]; 0: it did not touch
 };
 
+/// A pair that did not touch in the last step, and the direction that may still part it: from its lower row.
+struct GapLane {
+  int k = 0;  ///< contact of the block
+  Vec3 n;
+};
+
 /// The pairs of a block, as the solver wants them.
 struct ShapedLanes {
   static constexpr int k_stride = k_block + 8;
   alignas(64) double in[PairColumns::k_in][k_stride], out[PairColumns::k_out][k_stride];
+  alignas(64) double gap_in[GapColumns::k_in][k_stride], gap[k_stride];
   ShapedLane lane[k_block];
-  int n = 0;
+  GapLane apart[k_block];
+  int n = 0, gaps = 0;
 };
 
 /// What the solver found, in space: the normal from a to o.
@@ -35,16 +43,34 @@ using shapes::Triple;
 
 constexpr int k_evaluations = 80;  // of Newton's method; pairs that need more take the ladder of solve_pair()
 
-Vec3 line_of_centres(const ShapedLane& q) {
-  const double d2 = norm2(q.d), size = fmax2(q.a.size, q.o.size);
-  return d2 > 1e-24 * (size * size) ? (1 / __builtin_sqrt(d2)) * q.d : Vec3{0, 0, 1};
+/// A gap has to exceed this to count, relative to the sum of the radii of both spheres: more than rounding leaves.
+constexpr double k_gap_margin = 1e-12;
+
+Vec3 line_of_centres(Vec3 d, double size) {
+  const double d2 = norm2(d);
+  return d2 > 1e-24 * (size * size) ? (1 / __builtin_sqrt(d2)) * d : Vec3{0, 0, 1};
+}
+
+/// Fills the last batch up with copies of the last pair.
+template <std::size_t N>
+void fill_up(double (&columns)[N][ShapedLanes::k_stride], int n) {
+  for (int k = n; k % 8 != 0; ++k)
+    for (auto& column : columns) column[k] = column[n - 1];
+}
+
+/// Rounding at which Newton's method begins. Two ellipsoids that touched have a normal that is nearly right, and no
+/// faces that a rounding would help with.
+double first_eta(const ShapedLane& q, const shapes::PairForm<Plain>& p) {
+  if (!(norm2(q.before) > 0)) return 1;
+  return norm2(q.sum) > 0 && shapes::smoothness<Plain>(p) > 0.5 ? shapes::k_eta : shapes::k_warm_eta;
 }
 
 void fill_lane(ShapedLanes& lanes, int at) {
   const ShapedLane& q = lanes.lane[at];
   const shapes::PairForm<Plain> p = shapes::pair_form(q.a.body({}), q.o.body(q.d));
   const bool known = norm2(q.before) > 0;
-  const Vec3 n = shapes::to_body(q.a.turn, known ? q.before : line_of_centres(q));
+  const Vec3 n =
+      shapes::to_body(q.a.turn, known ? q.before : line_of_centres(q.d, fmax2(q.a.size, q.o.size)));
   int column = 0;
   const auto put = [&](double v) { lanes.in[column++][at] = v; };
   const auto put3 = [&](const Triple<Plain>& v) { put(v.x), put(v.y), put(v.z); };
@@ -54,14 +80,13 @@ void fill_lane(ShapedLanes& lanes, int at) {
   put(p.size);
   put(0);  // range
   put3({n.x, n.y, n.z});
-  put(known ? shapes::k_warm_eta : 1);
+  put(first_eta(q, p));
   put(1);  // care
 }
 
 void solve_lanes(const Rules& rules, ShapedLanes& lanes) {
   if (lanes.n == 0) return;
-  for (int k = lanes.n; k % 8 != 0; ++k)  // the last batch is a whole one
-    for (auto& column : lanes.in) column[k] = column[lanes.n - 1];
+  fill_up(lanes.in, lanes.n);
   rules.law.solver({lanes.n, ShapedLanes::k_stride, lanes.in[0], lanes.out[0]}, k_evaluations);
 }
 
@@ -81,6 +106,57 @@ void ShapedContacts::judge_depth(std::int64_t slot, Row i, Row j, double overlap
   c_.result.deep_slot = slot;
   c_.result.deep_rows[0] = i;
   c_.result.deep_rows[1] = j;
+}
+
+const Pose& ShapedContacts::pose_of_first(Row i) {
+  if (i != first_row_) first_ = pose_of(rules_, rows_, first_row_ = i);
+  return first_;
+}
+
+/// A pair that did not touch: what the overlap along its last normal needs, or along the line of centres.
+void ShapedContacts::guess(int k, std::int64_t at, Row i, Row j, const Block& b, ShapedLanes& lanes) {
+  const int lane = lanes.gaps++;
+  const bool swapped = i > j;
+  const double sign = swapped ? -1 : 1;
+  const Vec3 d = -sign * Vec3{b.x[k], b.y[k], b.z[k]};
+  const Column<double>* h = c_.contacts.h + rules_.has.law_columns;
+  const auto slot = static_cast<std::size_t>(at);
+  Vec3 n = sign * Vec3{h[0][slot], h[1][slot], h[2][slot]};
+  if (!(norm2(n) > 0)) n = line_of_centres(d, b.w[k]);
+  lanes.apart[lane] = {k, n};
+  int column = 0;
+  const auto put = [&](double v) { lanes.gap_in[column++][lane] = v; };
+  const Row rows[2] = {swapped ? j : i, swapped ? i : j};
+  for (int side = 0; side < 2; ++side) {
+    const Pose& pose = side == 0 ? pose_of_first(rows[0]) : (other_ = pose_of(rules_, rows_, rows[1]));
+    const Vec3 m = shapes::to_body(pose.turn, n);
+    put(pose.form.axes2.x), put(pose.form.axes2.y), put(pose.form.axes2.z), put(pose.form.p1), put(pose.form.p2);
+    put(m.x), put(m.y), put(m.z);
+  }
+  put(dot(n, d));
+}
+
+/// Pairs that their direction still parts are left: the others go to the solver.
+void ShapedContacts::part(std::int64_t k0, const Block& b, ShapedLanes& lanes, BlockBuffers& buffers) {
+  if (lanes.gaps == 0) return;
+  fill_up(lanes.gap_in, lanes.gaps);
+  rules_.law.gaps({lanes.gaps, ShapedLanes::k_stride, lanes.gap_in[0], lanes.gap});
+  Column<double>* h = c_.contacts.h + rules_.has.law_columns;
+  for (int lane = 0; lane < lanes.gaps; ++lane) {
+    const GapLane& q = lanes.apart[lane];
+    if (!(lanes.gap[lane] < -k_gap_margin * b.w[q.k])) continue;
+    const auto slot = static_cast<std::size_t>(k0 + q.k);
+    const double sign = c_.scratch->ci[slot] > c_.scratch->cj[slot] ? -1 : 1;
+    for (int m = 0; m < 3; ++m) h[m][slot] = sign * q.n[m];
+    leave(q.k, k0 + q.k, buffers);
+  }
+}
+
+void ShapedContacts::leave(int k, std::int64_t at, BlockBuffers& buffers) {
+  kind_[k] = Kind::apart;
+  c_.scratch->depth[static_cast<std::size_t>(at)] = 0;
+  ++c_.contacts.apart[interior(at) ? 0 : 1];
+  give_apart(k, buffers);
 }
 
 void ShapedContacts::queue(int k, std::int64_t at, Row i, Row j, const Block& b, ShapedLanes& lanes) const {
@@ -136,7 +212,6 @@ void ShapedContacts::give(int lane, std::int64_t at, const ShapedLanes& lanes, B
   const Answer r = answer(lane, at, lanes);
   const double sign = q.swapped ? -1 : 1, dt = rules_.scene.dt;
   const bool touch = r.overlap > 0;
-  kind_[k] = touch ? Kind::touch : Kind::apart;
   const Vec3 n = r.normal, arm_a = r.arm, arm_o = r.arm - q.d;
   Column<double>* h = c_.contacts.h + rules_.has.law_columns;
   const auto slot = static_cast<std::size_t>(at);
@@ -144,11 +219,9 @@ void ShapedContacts::give(int lane, std::int64_t at, const ShapedLanes& lanes, B
     h[m][slot] = sign * n[m];
     h[3 + m][slot] = touch ? arm_a[m] + arm_o[m] : 0;
   }
-  c_.scratch->depth[slot] = touch ? r.overlap / fmin2(q.a.inner, q.o.inner) : 0;
-  if (!touch) {
-    ++c_.contacts.apart[interior(at) ? 0 : 1];
-    return give_apart(k, buffers);
-  }
+  if (!touch) return leave(k, at, buffers);
+  kind_[k] = Kind::touch;
+  c_.scratch->depth[slot] = r.overlap / fmin2(q.a.inner, q.o.inner);
   const Row i = c_.scratch->ci[slot], j = c_.scratch->cj[slot];
   judge_depth(at, i, j, r.overlap, fmin2(q.a.inner, q.o.inner));
   Vec3 mid_a = arm_a, mid_o = arm_o, c = n;
@@ -189,18 +262,25 @@ void ShapedContacts::give(int lane, std::int64_t at, const ShapedLanes& lanes, B
 
 void ShapedContacts::prepare(std::int64_t k0, Block& b, BlockBuffers& buffers) {
   ShapedLanes& lanes = *c_.scratch->lanes;
-  lanes.n = 0;
+  lanes.n = lanes.gaps = 0;
+  const Column<double>* h = c_.contacts.h + rules_.has.law_columns;
   for (int k = 0; k < b.n; ++k) {
     const auto at = static_cast<std::size_t>(k0 + k);
     const Row i = c_.scratch->ci[at], j = c_.scratch->cj[at];
     kind_[k] = Kind::spheres;
     c_.scratch->depth[at] = -1;
     if (superquadric_of(rules_, rows_, i) != nullptr || superquadric_of(rules_, rows_, j) != nullptr) {
-      queue(k, k0 + k, i, j, b, lanes);
+      kind_[k] = Kind::touch;
+      if (!(norm2({h[3][at], h[4][at], h[5][at]}) > 0)) guess(k, k0 + k, i, j, b, lanes);
       continue;
     }
     const double ri = rows_.p[4L * i + 3], rj = rows_.p[4L * j + 3];
     judge_depth(k0 + k, i, j, b.w[k] - b.g[0][k], fmin2(ri, rj));
+  }
+  part(k0, b, lanes, buffers);
+  for (int k = 0; k < b.n; ++k) {
+    const auto at = static_cast<std::size_t>(k0 + k);
+    if (kind_[k] == Kind::touch) queue(k, k0 + k, c_.scratch->ci[at], c_.scratch->cj[at], b, lanes);
   }
   solve_lanes(rules_, lanes);
   for (int lane = 0; lane < lanes.n; ++lane) give(lane, k0 + lanes.lane[lane].k, lanes, buffers);

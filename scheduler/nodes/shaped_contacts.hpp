@@ -6,7 +6,9 @@
 //
 // History columns behind those of the law: the normal of the last step, from i to j, where Newton's method starts; and,
 // while the surfaces touch, the sum of both arms (from centre to contact point), whose difference is that of the
-// centres. Their means with the present ones belong to n-1/2, as the velocities do.
+// centres. Their means with the present ones belong to n-1/2, as the velocities do. Pairs that do not touch keep a
+// normal along which they are apart: while it parts them, one support function of each body says so, and no solver is
+// asked. What is decided, and kept, is a function of the pair's state alone.
 #pragma once
 
 #include <cstdint>
@@ -43,6 +45,11 @@ class ShapedContacts {
 
   /// Solved here alone, not by the owner of another chunk, too.
   bool interior(std::int64_t at) const noexcept { return at >= c_.contacts.end[0] && at < c_.contacts.end[1]; }
+  void guess(int k, std::int64_t at, Row i, Row j, const Block& b, ShapedLanes& lanes);
+  void part(std::int64_t k0, const Block& b, ShapedLanes& lanes, BlockBuffers& buffers);
+  void leave(int k, std::int64_t at, BlockBuffers& buffers);
+  /// Pairs come in the order of their first rows, so that the pose of one is asked for several times.
+  const Pose& pose_of_first(Row i);
   void queue(int k, std::int64_t at, Row i, Row j, const Block& b, ShapedLanes& lanes) const;
   Answer answer(int lane, std::int64_t at, const ShapedLanes& lanes);
   void give(int lane, std::int64_t at, const ShapedLanes& lanes, BlockBuffers& buffers);
@@ -53,6 +60,8 @@ class ShapedContacts {
   const Rows& rows_;
   Chunk& c_;
   bool relaxing_;
+  Row first_row_ = -1;
+  Pose first_, other_;
   Kind kind_[k_block];
   Vec3 arm_i_[k_block], arm_j_[k_block];          // [m]
   double weight_i_[k_block], weight_j_[k_block];  // of the contact's stiffness: its answer over 1/m

@@ -22,6 +22,13 @@ struct Surface {
   shapes::Body body(Vec3 centre) const { return {form, size, roundness, centre, turn}; }
 };
 
+/// What the overlap along a given direction needs of a row.
+struct Pose {
+  shapes::DualForm<shapes::Plain> form;
+  shapes::Rotation turn{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+};
+Pose pose_of(const Rules& rules, const Rows& rows, Row i);
+
 /// The shape of the row's body where that is a superquadric and no ball, else null.
 const BodyShape* superquadric_of(const Rules& rules, const Rows& rows, Row i);
 Surface surface_of(const Rules& rules, const Rows& rows, Row i);

@@ -50,9 +50,10 @@ void set_features(Rules& rules, bool any_fixed) {
 }
 
 /// Pairs of superquadrics are solved exactly in both precisions.
-PairSolver solver_of(const KernelTable& kernels) {
-  const std::string_view name = kernels.name;
-  return pair_solver(name.substr(0, name.find(' ')));
+void set_solver(Rules& rules) {
+  const std::string_view name = rules.kernels->name, isa = name.substr(0, name.find(' '));
+  rules.law.solver = pair_solver(isa);
+  rules.law.gaps = pair_gaps(isa);
 }
 
 void set_law(Rules& rules) {
@@ -61,7 +62,7 @@ void set_law(Rules& rules) {
   rules.law.variant = law_index(*rules.law.info, h.rotation, h.materials, h.energies);
   rules.law.trial = rules.law.info->trial && scene.contact.friction && scene.contact.sliding == Sliding::series &&
                     !h.materials && !h.energies && !h.moments && !h.cohesion && !h.superquadrics;
-  if (h.superquadrics) rules.law.solver = solver_of(*rules.kernels);
+  if (h.superquadrics) set_solver(rules);
   rules.law.parameters = pair_parameters(scene);
   rules.law.args.one = rules.law.parameters[0];
   rules.law.args.table = rules.law.parameters.data();
