@@ -88,6 +88,9 @@ class BodyImpact(Scene):
         lost = self.mass * (dv**2).sum(1) + (dl**2 / self.moments).sum(1)
         return Judged(float(np.sqrt(np.mean(lost) / self.mass)) / SPEED)
 
+    def settings(self, features):
+        return super().settings({**features, "precisions": []})  # the motion of bodies knows one precision
+
     def peer_q_list(self):
         return []
 
@@ -97,10 +100,10 @@ class RodImpact(BodyImpact):
     reference = "closed form: a linear oscillator of the mass that answers at the sphere that touches"
     words = "spheres = [0, 0, -1, 0.5, 0, 0, 0, 0.5, 0, 0, 1, 0.5]"
     reach, mass = 1.5, 3.0
-    moments = np.array([0.3 + 2.0, 0.3 + 2.0, 0.3])
+    moments = np.array([0.3, 0.3 + 2.0, 0.3 + 2.0])  # principal axes, as the frames have them: the rod's own first
 
     def lowest(self, m):
-        return np.sign(m[:, 2:3]) * [0, 0, 1.0] + 0.5 * m
+        return np.sign(m[:, :1]) * [1.0, 0, 0] + 0.5 * m
 
     def lever_mass(self, answering):
         return self.mass

@@ -1,6 +1,8 @@
 // See shaped_contacts.hpp.
 #include "scheduler/nodes/shaped_contacts.hpp"
 
+#include <vector>
+
 namespace talus {
 
 /// A pair that is to be solved, from its lower row a to its higher row o.
@@ -19,14 +21,15 @@ struct GapLane {
   Vec3 n;
 };
 
-/// The pairs of a block, as the solver wants them.
+/// Pairs on their way to the solver, a batch at a time: all of it stays in L1.
 struct ShapedLanes {
-  static constexpr int k_stride = k_block + 8;
+  static constexpr int k_stride = 8;
   alignas(64) double in[PairColumns::k_in][k_stride], out[PairColumns::k_out][k_stride];
   alignas(64) double gap_in[GapColumns::k_in][k_stride], gap[k_stride];
-  ShapedLane lane[k_block];
-  GapLane apart[k_block];
+  ShapedLane lane[k_stride];
+  GapLane apart[k_stride];
   int n = 0, gaps = 0;
+  std::vector<Pose> poses;  ///< of the rows of the chunk
 };
 
 /// What the solver found, in space: the normal from a to o.
@@ -51,10 +54,10 @@ Vec3 line_of_centres(Vec3 d, double size) {
   return d2 > 1e-24 * (size * size) ? (1 / __builtin_sqrt(d2)) * d : Vec3{0, 0, 1};
 }
 
-/// Fills the last batch up with copies of the last pair.
+/// Fills a batch up with copies of the last pair.
 template <std::size_t N>
 void fill_up(double (&columns)[N][ShapedLanes::k_stride], int n) {
-  for (int k = n; k % 8 != 0; ++k)
+  for (int k = n; k < ShapedLanes::k_stride; ++k)
     for (auto& column : columns) column[k] = column[n - 1];
 }
 
@@ -69,8 +72,7 @@ void fill_lane(ShapedLanes& lanes, int at) {
   const ShapedLane& q = lanes.lane[at];
   const shapes::PairForm<Plain> p = shapes::pair_form(q.a.body({}), q.o.body(q.d));
   const bool known = norm2(q.before) > 0;
-  const Vec3 n =
-      shapes::to_body(q.a.turn, known ? q.before : line_of_centres(q.d, fmax2(q.a.size, q.o.size)));
+  const Vec3 n = shapes::to_body(q.a.turn, known ? q.before : line_of_centres(q.d, fmax2(q.a.size, q.o.size)));
   int column = 0;
   const auto put = [&](double v) { lanes.in[column++][at] = v; };
   const auto put3 = [&](const Triple<Plain>& v) { put(v.x), put(v.y), put(v.z); };
@@ -84,12 +86,6 @@ void fill_lane(ShapedLanes& lanes, int at) {
   put(1);  // care
 }
 
-void solve_lanes(const Rules& rules, ShapedLanes& lanes) {
-  if (lanes.n == 0) return;
-  fill_up(lanes.in, lanes.n);
-  rules.law.solver({lanes.n, ShapedLanes::k_stride, lanes.in[0], lanes.out[0]}, k_evaluations);
-}
-
 }  // namespace
 
 ShapedContacts::ShapedContacts(const Rules& rules, const Clock& clock, const Rows& rows, Chunk& c)
@@ -97,6 +93,8 @@ ShapedContacts::ShapedContacts(const Rules& rules, const Clock& clock, const Row
   Scratch& s = *c.scratch;
   grow(s.depth, static_cast<std::size_t>(c.contacts.end[2]));
   if (s.lanes == nullptr) s.lanes = std::make_shared<ShapedLanes>();
+  s.lanes->poses.clear();
+  for (Row i = c.lo; i < c.hi; ++i) s.lanes->poses.push_back(pose_of(rules, rows, i));
   for (std::int64_t& n : c.contacts.apart) n = 0;
   for (std::int64_t& n : c.contacts.solved) n = 0;
 }
@@ -108,9 +106,17 @@ void ShapedContacts::judge_depth(std::int64_t slot, Row i, Row j, double overlap
   c_.result.deep_rows[1] = j;
 }
 
-const Pose& ShapedContacts::pose_of_first(Row i) {
-  if (i != first_row_) first_ = pose_of(rules_, rows_, first_row_ = i);
-  return first_;
+const Pose& ShapedContacts::pose(Row i, Pose& room) const {
+  if (i >= c_.lo && i < c_.hi) return c_.scratch->lanes->poses[static_cast<std::size_t>(i - c_.lo)];
+  return room = pose_of(rules_, rows_, i);
+}
+
+bool ShapedContacts::between_spheres(Row i, Row j) const {
+  const auto sphere = [&](Row row) {
+    if (row < c_.lo || row >= c_.hi) return superquadric_of(rules_, rows_, row) == nullptr;
+    return c_.scratch->lanes->poses[static_cast<std::size_t>(row - c_.lo)].shape == nullptr;
+  };
+  return sphere(i) && sphere(j);
 }
 
 /// A pair that did not touch: what the overlap along its last normal needs, or along the line of centres.
@@ -128,9 +134,10 @@ void ShapedContacts::guess(int k, std::int64_t at, Row i, Row j, const Block& b,
   const auto put = [&](double v) { lanes.gap_in[column++][lane] = v; };
   const Row rows[2] = {swapped ? j : i, swapped ? i : j};
   for (int side = 0; side < 2; ++side) {
-    const Pose& pose = side == 0 ? pose_of_first(rows[0]) : (other_ = pose_of(rules_, rows_, rows[1]));
-    const Vec3 m = shapes::to_body(pose.turn, n);
-    put(pose.form.axes2.x), put(pose.form.axes2.y), put(pose.form.axes2.z), put(pose.form.p1), put(pose.form.p2);
+    Pose room;
+    const Pose& of = pose(rows[side], room);
+    const Vec3 m = shapes::to_body(of.turn, n);
+    put(of.form.axes2.x), put(of.form.axes2.y), put(of.form.axes2.z), put(of.form.p1), put(of.form.p2);
     put(m.x), put(m.y), put(m.z);
   }
   put(dot(n, d));
@@ -150,6 +157,7 @@ void ShapedContacts::part(std::int64_t k0, const Block& b, ShapedLanes& lanes, B
     for (int m = 0; m < 3; ++m) h[m][slot] = sign * q.n[m];
     leave(q.k, k0 + q.k, buffers);
   }
+  lanes.gaps = 0;
 }
 
 void ShapedContacts::leave(int k, std::int64_t at, BlockBuffers& buffers) {
@@ -163,8 +171,10 @@ void ShapedContacts::queue(int k, std::int64_t at, Row i, Row j, const Block& b,
   ShapedLane& q = lanes.lane[lanes.n];
   q.k = k;
   q.swapped = i > j;
-  q.a = surface_of(rules_, rows_, q.swapped ? j : i);
-  q.o = surface_of(rules_, rows_, q.swapped ? i : j);
+  const Row a = q.swapped ? j : i, o = q.swapped ? i : j;
+  Pose room;
+  q.a = surface_of(rules_, rows_, a, pose(a, room));
+  q.o = surface_of(rules_, rows_, o, pose(o, room));
   const double sign = q.swapped ? -1 : 1;
   q.d = -sign * Vec3{b.x[k], b.y[k], b.z[k]};
   const Column<double>* h = c_.contacts.h + rules_.has.law_columns;
@@ -269,9 +279,10 @@ void ShapedContacts::prepare(std::int64_t k0, Block& b, BlockBuffers& buffers) {
     const Row i = c_.scratch->ci[at], j = c_.scratch->cj[at];
     kind_[k] = Kind::spheres;
     c_.scratch->depth[at] = -1;
-    if (superquadric_of(rules_, rows_, i) != nullptr || superquadric_of(rules_, rows_, j) != nullptr) {
+    if (!between_spheres(i, j)) {
       kind_[k] = Kind::touch;
       if (!(norm2({h[3][at], h[4][at], h[5][at]}) > 0)) guess(k, k0 + k, i, j, b, lanes);
+      if (lanes.gaps == ShapedLanes::k_stride) part(k0, b, lanes, buffers);
       continue;
     }
     const double ri = rows_.p[4L * i + 3], rj = rows_.p[4L * j + 3];
@@ -279,11 +290,20 @@ void ShapedContacts::prepare(std::int64_t k0, Block& b, BlockBuffers& buffers) {
   }
   part(k0, b, lanes, buffers);
   for (int k = 0; k < b.n; ++k) {
+    if (kind_[k] != Kind::touch) continue;
     const auto at = static_cast<std::size_t>(k0 + k);
-    if (kind_[k] == Kind::touch) queue(k, k0 + k, c_.scratch->ci[at], c_.scratch->cj[at], b, lanes);
+    queue(k, k0 + k, c_.scratch->ci[at], c_.scratch->cj[at], b, lanes);
+    if (lanes.n == ShapedLanes::k_stride) solve(k0, lanes, buffers);
   }
-  solve_lanes(rules_, lanes);
+  solve(k0, lanes, buffers);
+}
+
+void ShapedContacts::solve(std::int64_t k0, ShapedLanes& lanes, BlockBuffers& buffers) {
+  if (lanes.n == 0) return;
+  fill_up(lanes.in, lanes.n);
+  rules_.law.solver({lanes.n, ShapedLanes::k_stride, lanes.in[0], lanes.out[0]}, k_evaluations);
   for (int lane = 0; lane < lanes.n; ++lane) give(lane, k0 + lanes.lane[lane].k, lanes, buffers);
+  lanes.n = 0;
 }
 
 void ShapedContacts::settle(const Block& b) const {

@@ -47,10 +47,12 @@ class ShapedContacts {
   bool interior(std::int64_t at) const noexcept { return at >= c_.contacts.end[0] && at < c_.contacts.end[1]; }
   void guess(int k, std::int64_t at, Row i, Row j, const Block& b, ShapedLanes& lanes);
   void part(std::int64_t k0, const Block& b, ShapedLanes& lanes, BlockBuffers& buffers);
+  void solve(std::int64_t k0, ShapedLanes& lanes, BlockBuffers& buffers);
   void leave(int k, std::int64_t at, BlockBuffers& buffers);
-  /// Pairs come in the order of their first rows, so that the pose of one is asked for several times.
-  const Pose& pose_of_first(Row i);
+  /// Of a row of the chunk from the scratch, of another in `room`.
+  const Pose& pose(Row i, Pose& room) const;
   void queue(int k, std::int64_t at, Row i, Row j, const Block& b, ShapedLanes& lanes) const;
+  bool between_spheres(Row i, Row j) const;
   Answer answer(int lane, std::int64_t at, const ShapedLanes& lanes);
   void give(int lane, std::int64_t at, const ShapedLanes& lanes, BlockBuffers& buffers);
   void give_apart(int k, BlockBuffers& buffers) const;
@@ -60,8 +62,6 @@ class ShapedContacts {
   const Rows& rows_;
   Chunk& c_;
   bool relaxing_;
-  Row first_row_ = -1;
-  Pose first_, other_;
   Kind kind_[k_block];
   Vec3 arm_i_[k_block], arm_j_[k_block];          // [m]
   double weight_i_[k_block], weight_j_[k_block];  // of the contact's stiffness: its answer over 1/m

@@ -12,7 +12,7 @@ const BodyShape* superquadric_of(const Rules& rules, const Rows& rows, Row i) {
 
 Pose pose_of(const Rules& rules, const Rows& rows, Row i) {
   Pose pose;
-  const BodyShape* shape = superquadric_of(rules, rows, i);
+  const BodyShape* shape = pose.shape = superquadric_of(rules, rows, i);
   if (shape == nullptr) {
     const double r = rows.p[4L * i + 3];
     pose.form = {{r * r, r * r, r * r}, 2, 2};
@@ -26,16 +26,15 @@ Pose pose_of(const Rules& rules, const Rows& rows, Row i) {
   return pose;
 }
 
-Surface surface_of(const Rules& rules, const Rows& rows, Row i) {
+Surface surface_of(const Rules& rules, const Rows& rows, Row i, const Pose& pose) {
   const double *p = rows.p.data() + 4L * i, *v = rows.v.data() + static_cast<long>(rows.stride) * i;
   Surface s;
   s.v = {v[0], v[1], v[2]};
   s.w = (1 / p[3]) * Vec3{v[4], v[5], v[6]};
   s.inverse_mass = v[7];
-  const Pose pose = pose_of(rules, rows, i);
   s.form = pose.form;
   s.turn = pose.turn;
-  const BodyShape* shape = superquadric_of(rules, rows, i);
+  const BodyShape* shape = pose.shape;
   if (shape == nullptr) {
     s.size = s.roundness = s.inner = s.middle = p[3];
     return s;

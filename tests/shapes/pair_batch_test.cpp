@@ -86,8 +86,8 @@ TEST(PairGaps, AreNeverBelowTheOverlapAndHaveTheBitsOfAnEvaluation) {
     int column = 0;
     const auto put = [&](double v) { in[column++ * stride + k] = v; };
     for (const auto& [form, direction] : {std::pair{p.i, along}, std::pair{p.j, m}})
-      for (const double v : {form.axes2.x, form.axes2.y, form.axes2.z, form.p1, form.p2, direction.x, direction.y,
-                             direction.z})
+      for (const double v :
+           {form.axes2.x, form.axes2.y, form.axes2.z, form.p1, form.p2, direction.x, direction.y, direction.z})
         put(v);
     put(dot<Plain>(along, p.d));
     ASSERT_EQ(column, GapColumns::k_in);
