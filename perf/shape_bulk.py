@@ -34,9 +34,9 @@ G = 9.81
 UNIT = math.sqrt(D / G)               # [s]
 WIDE, DEEP, SLOT = 14.0, 5.0, 4.5     # of the bin and its slot [d]
 MASS = 2500 * math.pi / 6 * D**3
-STIFFNESS = 2e4 * MASS * G / D        # a grain under ten others overlaps by 5e-4 d
-REST = 12.0                           # from the fall of the highest grain until the gate opens [sqrt(d/g)]
-FLOW = 26.0
+STIFFNESS = 5e3 * MASS * G / D        # a grain under ten others overlaps by 2e-3 d
+REST = 8.0                            # from the fall of the highest grain until the gate opens [sqrt(d/g)]
+FLOW = 22.0
 SCENE = """
 title = "A bin of {name}"
 seed = {seed}
@@ -90,8 +90,8 @@ def rod(aspect, spheres):
 
 CUBE = '[[shape]]\nname = "s"\nkind = "superquadric"\nsemi_axes = [0.001, 0.001, 0.001]\nexponents = [6, 6]\n'
 # name: (shape, fill of the source's region, step [s])
-SHAPES = {"sphere": ("", 0.25, 2e-5), "rod-1": (rod(1, 1), 0.25, 2e-5), "rod-2": (rod(2, 4), 0.2, 1.5e-5),
-          "rod-4": (rod(4, 10), 0.12, 1e-5), "cube": (CUBE, 0.15, 1.5e-5)}
+SHAPES = {"sphere": ("", 0.25, 4e-5), "rod-1": (rod(1, 1), 0.25, 4e-5), "rod-2": (rod(2, 4), 0.2, 3e-5),
+          "cube": (CUBE, 0.15, 3e-5), "rod-4": (rod(4, 10), 0.12, 2e-5)}
 
 
 def scene_of(args, name, seed):

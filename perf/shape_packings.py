@@ -39,13 +39,13 @@ lower = [0, 0, 0]
 upper = [{side}, {side}, {height}]
 boundary = ["periodic", "periodic", "wall"]
 [time]
-step = 4e-6
+step = 8e-6
 duration = {duration}
 [[material]]
 name = "m"
 density = 2500
 [contact]
-normal_stiffness = 8000
+normal_stiffness = 2000
 restitution = 0.5
 friction = 0
 [[shape]]

@@ -66,8 +66,8 @@ def beds(rows):
             "ellipsoids": (EGG, USE, rows, 1, 1.42e-3)}
 
 
-def run(args, scene, folder, extra):
-    command = ["taskset", "-c", str(args.core), args.talus, "run", scene, "--threads", "1", "--quiet", "--json", "--overwrite", "--out",
+def run(args, scene, folder, extra, talus=None):
+    command = ["taskset", "-c", str(args.core), talus or args.talus, "run", scene, "--threads", "1", "--quiet", "--json", "--overwrite", "--out",
                folder, *extra]
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
@@ -92,7 +92,7 @@ def settle(args, name, bed):
 
 def kept(scene, text, folder, last):
     """The bed of an earlier call."""
-    if not os.path.exists(os.path.join(folder, f"checkpoint-{last:012d}.tcp")) or not os.path.exists(scene):
+    if not os.path.exists(os.path.join(folder, f"checkpoint-{last}.tcp")) or not os.path.exists(scene):
         return False
     with open(scene, encoding="utf-8") as f:
         return f.read() == text
@@ -120,6 +120,7 @@ def main():
     p.add_argument("--settle", type=float, default=0.3, help="after the fall of the highest grain [s]")
     p.add_argument("--prepare", action="store_true", help="settle the beds, time nothing")
     p.add_argument("--write", action="store_true", help="the table on perf/measured/shapes.md")
+    p.add_argument("--before", help="another talus, timed on the same states: a column of the table")
     p.add_argument("--core", type=int, default=0)
     p.add_argument("--out", default=os.path.join(HERE, "..", "build", "shapes"))
     args = p.parse_args()
@@ -136,14 +137,17 @@ def main():
     states = {name: settle(args, name, bed) for name, bed in all_beds.items()}
     if args.prepare:
         return 0
-    cost, facts = {name: [] for name in all_beds}, {}
+    cost, facts, before = {name: [] for name in all_beds}, {}, {name: [] for name in all_beds}
     for _ in range(args.rounds):
         for name, bed in all_beds.items():
             scene, folder, last = states[name]
-            s = run(args, scene, os.path.join(args.out, "run"),
-                    ["--resume", folder, "--warm", str(args.warm), "--steps", str(last + args.warm + args.steps)])
+            extra = ["--resume", folder, "--warm", str(args.warm), "--steps", str(last + args.warm + args.steps)]
+            s = run(args, scene, os.path.join(args.out, "run"), extra)
             rows = bed[2] * bed[3]
             cost[name].append(1e9 * s["wall_s"] / (args.steps * rows))
+            if args.before:
+                other = run(args, scene, os.path.join(args.out, "run"), extra, args.before)
+                before[name].append(1e9 * other["wall_s"] / (args.steps * rows))
             facts[name] = (rows, s["contacts"] / rows, s.get("solved_pairs", 0) / (rows * (args.steps + args.warm)), s.get("safe_pairs"))
     print(f"{'bed':<11} {'rows':>7} {'ns/row':>8} {'least':>8} {'most':>8} {'contacts/row':>13} {'solved/row':>11} {'safe':>6}")
     for name, values in cost.items():
@@ -152,11 +156,12 @@ def main():
               f"{solved:>11.2f} {'' if safe is None else safe:>6}")
     ratio = {name: statistics.median(a / b for a, b in zip(cost[name], cost["spheres"])) for name in ("rods", "ellipsoids")}
     if args.write:
-        lines = ["| bed | rows | ns per row and step | / spheres | contacts per row | pairs solved per row |", "|---|---|---|---|---|---|"]
+        lines = ["| bed | rows | ns per row and step | / spheres | before | contacts per row | pairs solved per row |",
+                 "|---|---|---|---|---|---|---|"]
         for name, values in cost.items():
             rows, contacts, solved, _ = facts[name]
             lines.append(f"| {name} | {rows} | {statistics.median(values):.1f} ({min(values):.1f} … {max(values):.1f}) | "
-                         f"{ratio.get(name, 1):.2f} | {contacts:.2f} | {f'{solved:.2f}' if solved else ''} |")
+                         f"{ratio.get(name, 1):.2f} | {f'{statistics.median(before[name]):.1f}' if before[name] else ''} | {contacts:.2f} | {f'{solved:.2f}' if solved else ''} |")
         write_table(os.path.join(HERE, "measured", "shapes.md"), "speed", lines)
     holds = ratio["rods"] <= MARK
     print(f"a clump's row / a sphere = {ratio['rods']:.3f}  mark <= {MARK}: {'holds' if holds else 'DOES NOT HOLD'}")

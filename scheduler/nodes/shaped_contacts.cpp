@@ -21,14 +21,22 @@ struct GapLane {
   Vec3 n;
 };
 
-/// Pairs on their way to the solver, a batch at a time: all of it stays in L1.
+/// Pairs that go to the solver together: all of it stays in L1.
+struct ShapedBatch {
+  static constexpr int k_width = 8;
+  alignas(64) double in[PairColumns::k_in][k_width], out[PairColumns::k_out][k_width];
+  ShapedLane lane[k_width];
+  int n = 0;
+  bool full() const { return n == k_width; }
+};
+
 struct ShapedLanes {
-  static constexpr int k_stride = 8;
-  alignas(64) double in[PairColumns::k_in][k_stride], out[PairColumns::k_out][k_stride];
-  alignas(64) double gap_in[GapColumns::k_in][k_stride], gap[k_stride];
-  ShapedLane lane[k_stride];
-  GapLane apart[k_stride];
-  int n = 0, gaps = 0;
+  /// Nearly all pairs whose last normal is known are solved by few steps of Newton's method on the bodies as they are.
+  /// The others take the path from rounder ones, in batches of their own: one of them would hold up seven.
+  ShapedBatch quick, hard;
+  alignas(64) double gap_in[GapColumns::k_in][ShapedBatch::k_width], gap[ShapedBatch::k_width];
+  GapLane apart[ShapedBatch::k_width];
+  int gaps = 0;
   std::vector<Pose> poses;  ///< of the rows of the chunk
 };
 
@@ -42,9 +50,8 @@ struct ShapedContacts::Answer {
 namespace {
 
 using shapes::Plain;
-using shapes::Triple;
 
-constexpr int k_evaluations = 80;  // of Newton's method; pairs that need more take the ladder of solve_pair()
+constexpr int k_quick = 3, k_most = 80;  // evaluations; pairs that need more take the ladder of solve_pair()
 
 /// A gap has to exceed this to count, relative to the sum of the radii of both spheres: more than rounding leaves.
 constexpr double k_gap_margin = 1e-12;
@@ -56,35 +63,37 @@ Vec3 line_of_centres(Vec3 d, double size) {
 
 /// Fills a batch up with copies of the last pair.
 template <std::size_t N>
-void fill_up(double (&columns)[N][ShapedLanes::k_stride], int n) {
-  for (int k = n; k < ShapedLanes::k_stride; ++k)
+void fill_up(double (&columns)[N][ShapedBatch::k_width], int n) {
+  for (int k = n; k < ShapedBatch::k_width; ++k)
     for (auto& column : columns) column[k] = column[n - 1];
 }
 
-/// Rounding at which Newton's method begins. Two ellipsoids that touched have a normal that is nearly right, and no
-/// faces that a rounding would help with.
-double first_eta(const ShapedLane& q, const shapes::PairForm<Plain>& p) {
-  if (!(norm2(q.before) > 0)) return 1;
-  return norm2(q.sum) > 0 && shapes::smoothness<Plain>(p) > 0.5 ? shapes::k_eta : shapes::k_warm_eta;
-}
-
-void fill_lane(ShapedLanes& lanes, int at) {
-  const ShapedLane& q = lanes.lane[at];
-  const shapes::PairForm<Plain> p = shapes::pair_form(q.a.body({}), q.o.body(q.d));
-  const bool known = norm2(q.before) > 0;
-  const Vec3 n = shapes::to_body(q.a.turn, known ? q.before : line_of_centres(q.d, fmax2(q.a.size, q.o.size)));
+/// As shapes::pair_form().
+void fill_lane(ShapedBatch& batch, int at, double eta) {
+  const ShapedLane& q = batch.lane[at];
+  const Surface &a = q.a, &o = q.o;
   int column = 0;
-  const auto put = [&](double v) { lanes.in[column++][at] = v; };
-  const auto put3 = [&](const Triple<Plain>& v) { put(v.x), put(v.y), put(v.z); };
-  for (const shapes::DualForm<Plain>* f : {&p.i, &p.j}) put3(f->axes2), put(f->p1), put(f->p2);
-  for (const Triple<Plain>& row : p.turn) put3(row);
-  put3(p.d);
-  put(p.size);
+  const auto put = [&](double v) { batch.in[column++][at] = v; };
+  const auto put3 = [&](Vec3 v) { put(v.x), put(v.y), put(v.z); };
+  for (const shapes::DualForm<Plain>* f : {&a.form, &o.form})
+    put3({f->axes2.x, f->axes2.y, f->axes2.z}), put(f->p1), put(f->p2);
+  for (int k = 0; k < 3; ++k) put3(shapes::to_body(a.turn, {o.turn.row[0][k], o.turn.row[1][k], o.turn.row[2][k]}));
+  put3(shapes::to_body(a.turn, q.d));
+  const double size = fmax2(a.size, o.size);
+  put(size);
   put(0);  // range
-  put3({n.x, n.y, n.z});
-  put(first_eta(q, p));
+  put3(shapes::to_body(a.turn, norm2(q.before) > 0 ? q.before : line_of_centres(q.d, size)));
+  put(eta);
   put(1);  // care
 }
+
+void solve(const Rules& rules, ShapedBatch& batch, int most) {
+  if (batch.n == 0) return;
+  fill_up(batch.in, batch.n);
+  rules.law.solver({batch.n, ShapedBatch::k_width, batch.in[0], batch.out[0]}, most);
+}
+
+bool solved(const ShapedBatch& batch, int lane) { return batch.out[10][lane] > 0.5; }
 
 }  // namespace
 
@@ -100,7 +109,8 @@ ShapedContacts::ShapedContacts(const Rules& rules, const Clock& clock, const Row
 }
 
 void ShapedContacts::judge_depth(std::int64_t slot, Row i, Row j, double overlap, double inner) {
-  if (relaxing_ || c_.result.deep_slot >= 0 || overlap <= rules_.scene.max_overlap * inner) return;
+  const std::int64_t known = c_.result.deep_slot;  // the first of the list, whatever is solved first
+  if (relaxing_ || (known >= 0 && known < slot) || overlap <= rules_.scene.max_overlap * inner) return;
   c_.result.deep_slot = slot;
   c_.result.deep_rows[0] = i;
   c_.result.deep_rows[1] = j;
@@ -147,7 +157,7 @@ void ShapedContacts::guess(int k, std::int64_t at, Row i, Row j, const Block& b,
 void ShapedContacts::part(std::int64_t k0, const Block& b, ShapedLanes& lanes, BlockBuffers& buffers) {
   if (lanes.gaps == 0) return;
   fill_up(lanes.gap_in, lanes.gaps);
-  rules_.law.gaps({lanes.gaps, ShapedLanes::k_stride, lanes.gap_in[0], lanes.gap});
+  rules_.law.gaps({lanes.gaps, ShapedBatch::k_width, lanes.gap_in[0], lanes.gap});
   Column<double>* h = c_.contacts.h + rules_.has.law_columns;
   for (int lane = 0; lane < lanes.gaps; ++lane) {
     const GapLane& q = lanes.apart[lane];
@@ -168,7 +178,12 @@ void ShapedContacts::leave(int k, std::int64_t at, BlockBuffers& buffers) {
 }
 
 void ShapedContacts::queue(int k, std::int64_t at, Row i, Row j, const Block& b, ShapedLanes& lanes) const {
-  ShapedLane& q = lanes.lane[lanes.n];
+  const Column<double>* h = c_.contacts.h + rules_.has.law_columns;
+  const auto n = static_cast<std::size_t>(at);
+  const Vec3 before{h[0][n], h[1][n], h[2][n]};
+  const bool known = norm2(before) > 0;
+  ShapedBatch& batch = known ? lanes.quick : lanes.hard;
+  ShapedLane& q = batch.lane[batch.n];
   q.k = k;
   q.swapped = i > j;
   const Row a = q.swapped ? j : i, o = q.swapped ? i : j;
@@ -177,21 +192,19 @@ void ShapedContacts::queue(int k, std::int64_t at, Row i, Row j, const Block& b,
   q.o = surface_of(rules_, rows_, o, pose(o, room));
   const double sign = q.swapped ? -1 : 1;
   q.d = -sign * Vec3{b.x[k], b.y[k], b.z[k]};
-  const Column<double>* h = c_.contacts.h + rules_.has.law_columns;
-  const auto n = static_cast<std::size_t>(at);
-  q.before = sign * Vec3{h[0][n], h[1][n], h[2][n]};
+  q.before = sign * before;
   q.sum = {h[3][n], h[4][n], h[5][n]};
-  fill_lane(lanes, lanes.n++);
+  fill_lane(batch, batch.n++, known ? shapes::k_eta : 1);
 }
 
-ShapedContacts::Answer ShapedContacts::answer(int lane, std::int64_t at, const ShapedLanes& lanes) {
-  const ShapedLane& q = lanes.lane[lane];
-  const auto out = [&](int column) { return lanes.out[column][lane]; };
+ShapedContacts::Answer ShapedContacts::answer(int lane, std::int64_t at, const ShapedBatch& batch) {
+  const ShapedLane& q = batch.lane[lane];
+  const auto out = [&](int column) { return batch.out[column][lane]; };
   Answer r;
   r.overlap = out(3);
   // the point parts the overlap as the sizes are to each other, which is where two spheres have theirs
   const double share = q.a.middle / (q.a.middle + q.o.middle);
-  const bool done = out(10) > 0.5, deep = r.overlap > q.a.roundness + q.o.roundness;
+  const bool done = solved(batch, lane), deep = r.overlap > q.a.roundness + q.o.roundness;
   c_.contacts.solved[0] += interior(at) ? 2 : 1;
   if (done && !deep) {
     r.normal = shapes::to_space(q.a.turn, {out(0), out(1), out(2)});
@@ -211,15 +224,16 @@ void ShapedContacts::give_apart(int k, BlockBuffers& buffers) const {  // nothin
   const double x[4] = {0, 0, k_far_away, 1e-9}, g[4] = {0, k_far_inverse, 1, 0};
   for (int q = 0; q < 4; ++q) buffers.x[q][k] = x[q], buffers.g[q][k] = g[q];
   for (int q = 0; q < 7; ++q) buffers.r[q][k] = 0;
-  buffers.r[7][k] = 1;
+  buffers.r[7][k] = 0;  // as of two held grains: no first step of a contact is weighed
   buffers.reff[k] = 1;
 }
 
 /// Geometry and motion of the contact at the middle of the step, as of two points that meet.
-void ShapedContacts::give(int lane, std::int64_t at, const ShapedLanes& lanes, BlockBuffers& buffers) {
-  const ShapedLane& q = lanes.lane[lane];
+void ShapedContacts::give(int lane, std::int64_t k0, const ShapedBatch& batch, BlockBuffers& buffers) {
+  const ShapedLane& q = batch.lane[lane];
   const int k = q.k;
-  const Answer r = answer(lane, at, lanes);
+  const std::int64_t at = k0 + k;
+  const Answer r = answer(lane, at, batch);
   const double sign = q.swapped ? -1 : 1, dt = rules_.scene.dt;
   const bool touch = r.overlap > 0;
   const Vec3 n = r.normal, arm_a = r.arm, arm_o = r.arm - q.d;
@@ -272,7 +286,7 @@ void ShapedContacts::give(int lane, std::int64_t at, const ShapedLanes& lanes, B
 
 void ShapedContacts::prepare(std::int64_t k0, Block& b, BlockBuffers& buffers) {
   ShapedLanes& lanes = *c_.scratch->lanes;
-  lanes.n = lanes.gaps = 0;
+  lanes.quick.n = lanes.hard.n = lanes.gaps = 0;
   const Column<double>* h = c_.contacts.h + rules_.has.law_columns;
   for (int k = 0; k < b.n; ++k) {
     const auto at = static_cast<std::size_t>(k0 + k);
@@ -282,7 +296,7 @@ void ShapedContacts::prepare(std::int64_t k0, Block& b, BlockBuffers& buffers) {
     if (!between_spheres(i, j)) {
       kind_[k] = Kind::touch;
       if (!(norm2({h[3][at], h[4][at], h[5][at]}) > 0)) guess(k, k0 + k, i, j, b, lanes);
-      if (lanes.gaps == ShapedLanes::k_stride) part(k0, b, lanes, buffers);
+      if (lanes.gaps == ShapedBatch::k_width) part(k0, b, lanes, buffers);
       continue;
     }
     const double ri = rows_.p[4L * i + 3], rj = rows_.p[4L * j + 3];
@@ -293,17 +307,32 @@ void ShapedContacts::prepare(std::int64_t k0, Block& b, BlockBuffers& buffers) {
     if (kind_[k] != Kind::touch) continue;
     const auto at = static_cast<std::size_t>(k0 + k);
     queue(k, k0 + k, c_.scratch->ci[at], c_.scratch->cj[at], b, lanes);
-    if (lanes.n == ShapedLanes::k_stride) solve(k0, lanes, buffers);
+    if (lanes.quick.full()) solve_quick(k0, lanes, buffers);
+    if (lanes.hard.full()) solve_hard(k0, lanes.hard, buffers);
   }
-  solve(k0, lanes, buffers);
+  solve_quick(k0, lanes, buffers);
+  solve_hard(k0, lanes.hard, buffers);
 }
 
-void ShapedContacts::solve(std::int64_t k0, ShapedLanes& lanes, BlockBuffers& buffers) {
-  if (lanes.n == 0) return;
-  fill_up(lanes.in, lanes.n);
-  rules_.law.solver({lanes.n, ShapedLanes::k_stride, lanes.in[0], lanes.out[0]}, k_evaluations);
-  for (int lane = 0; lane < lanes.n; ++lane) give(lane, k0 + lanes.lane[lane].k, lanes, buffers);
-  lanes.n = 0;
+void ShapedContacts::solve_quick(std::int64_t k0, ShapedLanes& lanes, BlockBuffers& buffers) {
+  ShapedBatch &quick = lanes.quick, &hard = lanes.hard;
+  solve(rules_, quick, k_quick);
+  for (int lane = 0; lane < quick.n; ++lane) {
+    if (solved(quick, lane)) {
+      give(lane, k0, quick, buffers);
+      continue;
+    }
+    hard.lane[hard.n] = quick.lane[lane];
+    fill_lane(hard, hard.n++, shapes::k_warm_eta);
+    if (hard.full()) solve_hard(k0, hard, buffers);
+  }
+  quick.n = 0;
+}
+
+void ShapedContacts::solve_hard(std::int64_t k0, ShapedBatch& hard, BlockBuffers& buffers) {
+  solve(rules_, hard, k_most);
+  for (int lane = 0; lane < hard.n; ++lane) give(lane, k0, hard, buffers);
+  hard.n = 0;
 }
 
 void ShapedContacts::settle(const Block& b) const {

@@ -21,6 +21,7 @@ namespace talus {
 /// Columns that change sign with the order of the partners.
 inline constexpr unsigned k_shaped_flips = 0b000111;
 
+struct ShapedBatch;
 struct ShapedLanes;
 
 class ShapedContacts {
@@ -47,14 +48,15 @@ class ShapedContacts {
   bool interior(std::int64_t at) const noexcept { return at >= c_.contacts.end[0] && at < c_.contacts.end[1]; }
   void guess(int k, std::int64_t at, Row i, Row j, const Block& b, ShapedLanes& lanes);
   void part(std::int64_t k0, const Block& b, ShapedLanes& lanes, BlockBuffers& buffers);
-  void solve(std::int64_t k0, ShapedLanes& lanes, BlockBuffers& buffers);
+  void solve_quick(std::int64_t k0, ShapedLanes& lanes, BlockBuffers& buffers);
+  void solve_hard(std::int64_t k0, ShapedBatch& hard, BlockBuffers& buffers);
   void leave(int k, std::int64_t at, BlockBuffers& buffers);
   /// Of a row of the chunk from the scratch, of another in `room`.
   const Pose& pose(Row i, Pose& room) const;
   void queue(int k, std::int64_t at, Row i, Row j, const Block& b, ShapedLanes& lanes) const;
   bool between_spheres(Row i, Row j) const;
-  Answer answer(int lane, std::int64_t at, const ShapedLanes& lanes);
-  void give(int lane, std::int64_t at, const ShapedLanes& lanes, BlockBuffers& buffers);
+  Answer answer(int lane, std::int64_t at, const ShapedBatch& batch);
+  void give(int lane, std::int64_t k0, const ShapedBatch& batch, BlockBuffers& buffers);
   void give_apart(int k, BlockBuffers& buffers) const;
   void judge_depth(std::int64_t slot, Row i, Row j, double overlap, double inner);
 
