@@ -50,11 +50,11 @@ void set_features(Rules& rules, bool any_fixed) {
 }
 
 /// Pairs of superquadrics are solved exactly in both precisions.
-void set_solver(Rules& rules) {
-  const std::string_view name = rules.kernels->name, isa = name.substr(0, name.find(' '));
-  rules.law.solver = pair_solver(isa);
-  rules.law.gaps = pair_gaps(isa);
+std::string_view exact_set(const KernelTable& kernels) {
+  const std::string_view name = kernels.name;
+  return name.substr(0, name.find(' '));
 }
+PairSolver solver_of(const KernelTable& kernels) { return pair_solver(exact_set(kernels)); }
 
 void set_law(Rules& rules) {
   const Scene& scene = rules.scene;
@@ -62,7 +62,7 @@ void set_law(Rules& rules) {
   rules.law.variant = law_index(*rules.law.info, h.rotation, h.materials, h.energies);
   rules.law.trial = rules.law.info->trial && scene.contact.friction && scene.contact.sliding == Sliding::series &&
                     !h.materials && !h.energies && !h.moments && !h.cohesion && !h.superquadrics;
-  if (h.superquadrics) set_solver(rules);
+  if (h.superquadrics) rules.law.solver = solver_of(*rules.kernels);
   rules.law.parameters = pair_parameters(scene);
   rules.law.args.one = rules.law.parameters[0];
   rules.law.args.table = rules.law.parameters.data();
@@ -76,6 +76,7 @@ void set_law(Rules& rules) {
   rules.law.args.total = scene.contact.friction_limit == FrictionLimit::total || scene.contact.clip_tension ? 1 : 0;
   rules.law.args.synchronised = scene.contact.synchronised ? 1 : 0;
   rules.law.args.contact_lever = scene.contact.lever == Lever::contact ? 1 : 0;
+  if (h.superquadrics) rules.law.gaps = pair_gaps(exact_set(*rules.kernels));
 }
 
 /// Everything that does not depend on walls.
