@@ -4,7 +4,7 @@
   python3 perf/error_time.py --quick                   # all scenes, few points, about three minutes
   python3 perf/error_time.py                           # all scenes, all points: tens of minutes, resumable
   python3 perf/error_time.py --scenes normal,shear     # some of: normal oblique bounce stack sticking gas shear impacts
-                                                       #          sliding frictional cooling hopper chute
+                                                       #          sliding frictional rods boxes cooling hopper chute
   python3 perf/error_time.py --wrap "taskset -c 1"     # around the timed batches (each at most about 40 s)
 
 Writes OUT/error_time.html (self-contained, begins with the summary), .csv, .json and summary.md; OUT is build/error_time. Results are kept under OUT/cache by
@@ -30,11 +30,11 @@ except ImportError:
     sys.exit("error_time.py needs numpy (apt-get install python3-numpy python3-matplotlib)")
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from error_time import closed_forms, findings, scenes_bulk, scenes_exact, scenes_paths, scenes_sliding  # noqa: E402
+from error_time import closed_forms, findings, scenes_bodies, scenes_bulk, scenes_exact, scenes_paths, scenes_sliding  # noqa: E402
 from error_time.engine import Engine, Failure, Progress  # noqa: E402
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-SCENES = {s.name: s for s in scenes_exact.SCENES + scenes_paths.SCENES + scenes_sliding.SCENES + scenes_bulk.SCENES}
+SCENES = {s.name: s for s in scenes_exact.SCENES + scenes_paths.SCENES + scenes_sliding.SCENES + scenes_bodies.SCENES + scenes_bulk.SCENES}
 FIELDS = ["scene", "label", "family", "code", "steps_per_contact", "softening", "dt", "steps", "grains", "wall_s", "wall_low_s",
           "wall_high_s", "timed_steps", "rounds", "error", "error_half_width", "energy_residual", "missed_contacts",
           "audited_steps", "rebuilds", "state_hash", "note", "stopped", "load_average"]

@@ -8,8 +8,8 @@ Published: Donev et al., Science 303, 990 (2004): jammed disordered spheres 0.64
 0.71. Man et al., PRL 94, 198001 (2005): ellipsoids of 1.25 : 1 : 0.8 in large containers 0.74. A narrow box or a slow fall orders
 spheres on the floor and lies above.
 
-Usage: python3 perf/shape_packings.py [--grains 800] [--seeds 3] [--shapes 1,1.5,0.67] [--talus PATH] [--json FILE]
-Minutes per shape at 800 grains.
+Usage: python3 perf/shape_packings.py [--grains 800] [--seeds 3] [--shapes 1,1.5,0.67] [--talus PATH] [--json FILE] [--write]
+Minutes per shape at 800 grains; --write puts the table on perf/measured/shapes.md.
 """
 import argparse
 import json
@@ -25,6 +25,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(HERE, "..", "cases"))
 from bodies import rotation  # noqa: E402
 from frames import PvdFrames  # noqa: E402
+from page_table import write_table  # noqa: E402
 
 RADIUS = 1e-3  # of the sphere of equal volume [m]
 PUBLISHED = {"1": "0.64", "0.67": "0.68-0.71", "1.5": "0.68-0.71", "1.25:1:0.8": "0.74"}
@@ -38,13 +39,13 @@ lower = [0, 0, 0]
 upper = [{side}, {side}, {height}]
 boundary = ["periodic", "periodic", "wall"]
 [time]
-step = 4e-6
+step = 8e-6
 duration = {duration}
 [[material]]
 name = "m"
 density = 2500
 [contact]
-normal_stiffness = 8000
+normal_stiffness = 2000
 restitution = 0.5
 friction = 0
 [[shape]]
@@ -117,9 +118,10 @@ def main():
     p.add_argument("--threads", type=int, default=1)
     p.add_argument("--out", default=os.path.join(HERE, "..", "build", "shape_packings"))
     p.add_argument("--json", help="all fractions to a file")
+    p.add_argument("--write", action="store_true", help="the table on perf/measured/shapes.md")
     args = p.parse_args()
-    print(f"load average {os.getloadavg()[0]:.1f}\n{'shape':>12} {'fraction':>9} {'+-':>7} {'published':>9}  fastest grain [m/s]")
-    found = {}
+    print(f"{'shape':>12} {'fraction':>9} {'+-':>7} {'published':>9}  fastest grain [m/s]")
+    found, lines = {}, ["| aspect | solid fraction | published | grains, seeds |", "|---|---|---|---|"]
     for name in args.shapes.split(","):
         runs = [measure(args, name, seed) for seed in range(1, args.seeds + 1)]
         values = [v for v, _ in runs]
@@ -129,6 +131,9 @@ def main():
         print(f"{name:>12} {statistics.mean(values):>9.4f} {wide:>7.4f} {known if known else '':>9}  "
               f"{max(v for _, v in runs):.1e}", flush=True)
         found[name] = values
+        lines.append(f"| {name} | {statistics.mean(values):.3f} ± {wide:.3f} | {known or ''} | {args.grains}, {n} |")
+    if args.write:
+        write_table(os.path.join(HERE, "measured", "shapes.md"), "packings", lines)
     if args.json:
         with open(args.json, "w", encoding="utf-8") as f:
             json.dump({"grains": args.grains, "fractions": found}, f, indent=1)

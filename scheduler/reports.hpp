@@ -33,8 +33,8 @@ struct Counters {
   std::int64_t inserted = 0, removed = 0;  ///< cumulative over the trajectory
   double removed_mass = 0;                 ///< [kg], cumulative over the trajectory
   std::int64_t missed_contacts = 0;        ///< audit only
-  /// Pairs of superquadrics whose bounding spheres meet, summed over the steps: all, and those that the batch solver
-  /// left to the safe method. Depend on the trajectory alone.
+  /// Pairs of superquadrics that the normal of the last step did not part, summed over the steps: all that were
+  /// solved, and those that the batch solver left to the safe method. Depend on the trajectory alone.
   std::int64_t solved_pairs = 0, safe_pairs = 0;
   std::int64_t step_solved_pairs = 0, step_safe_pairs = 0;  ///< the same of the last step alone
   double border_contact_share = 0;                          ///< contacts across chunk borders / contacts

@@ -35,11 +35,13 @@ Vec3 normal_of(const WallPiece& p) {
   return (1 / norm(area)) * area;
 }
 
-double distance_to_segment(Vec3 a, Vec3 b, Vec3 x) {
+Vec3 nearest_of_segment(Vec3 a, Vec3 b, Vec3 x) {
   const Vec3 e = b - a;
   const double t = dot(x - a, e) / norm2(e), at = fmin2(1, fmax2(0, t));
-  return norm(x - (a + at * e));
+  return a + at * e;
 }
+
+double distance_to_segment(Vec3 a, Vec3 b, Vec3 x) { return norm(x - nearest_of_segment(a, b, x)); }
 
 double distance_to_triangle(const WallPiece& p, Vec3 x) {
   const Vec3 n = normal_of(p);
@@ -60,13 +62,34 @@ void clip(Vec3 centre, double reach, Vec3& a, Vec3& b) {
 
 bool before(Vec3 a, Vec3 b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
+/// Some direction is seen to part body and edge: looked for along the way to the edge, from the centre and then from
+/// the body's farthest point. None found proves nothing.
+bool parted(const Body& body, double bound, Vec3 a, Vec3 b) {
+  const double tiny = 1e-9 * bound;
+  Vec3 n = nearest_of_segment(a, b, body.centre) - body.centre;
+  for (int k = 0; k < 6; ++k) {
+    const double size = norm(n);
+    if (!(size > tiny)) return false;
+    n = (1 / size) * n;
+    const Vec3 m = to_body(body.turn, n);
+    const Support<Plain> s = support<Plain>(body.form, {m.x, m.y, m.z}, k_eta);
+    if (s.h < fmin2(dot(n, a - body.centre), dot(n, b - body.centre)) - 1e-12 * bound) return true;
+    const Vec3 point = body.centre + to_space(body.turn, {s.point.x, s.point.y, s.point.z});
+    const Vec3 way = nearest_of_segment(a, b, point) - point;
+    const double length = norm(way);
+    if (!(length > tiny)) return false;
+    n = n + (1 / length) * way;
+  }
+  return false;
+}
+
 /// Edges and corners of a triangle whose face is not met: the deepest of them.
 bool edge_hit(const Body& body, double bound, const WallPiece& p, Hit& hit) {
   bool found = false;
   PairCount count;
   for (int k = 0; k < 3; ++k) {
     Vec3 a = p.corner[k], b = p.corner[(k + 1) % 3];
-    if (!(distance_to_segment(a, b, body.centre) < bound)) continue;
+    if (!(distance_to_segment(a, b, body.centre) < bound) || parted(body, bound, a, b)) continue;
     if (before(b, a)) std::swap(a, b);
     clip(body.centre, bound, a, b);
     const WallContact e = edge_contact(body, a, b, count);
@@ -94,16 +117,16 @@ void add_cylinder(const Body& body, const WallPiece& p, std::vector<Hit>& hits) 
   if (c.overlap > 0) hits.push_back({c, foot_of(c), &p, true});
 }
 
-bool piece_hit(const Body& body, double bound, const WallPiece& p, Hit& hit) {
+/// Planes and faces that are met go to the hits, triangles that may be met at an edge to `edges`.
+void add_face(const Body& body, const WallPiece& p, std::vector<Hit>& hits, std::vector<const WallPiece*>& edges) {
   const Vec3 n = normal_of(p);
   const double side = dot(body.centre - p.corner[0], n) < 0 ? -1 : 1;
   const WallContact c = plane_contact(body, p.corner[0], side * n);
-  if (!(c.overlap > 0)) return false;  // the plane parts them
-  if (p.kind == WallPiece::Kind::plane || inside(p, n, c.point)) {
-    hit = {c, foot_of(c), &p, true};
-    return true;
-  }
-  return edge_hit(body, bound, p, hit);
+  if (!(c.overlap > 0)) return;  // the plane parts them
+  if (p.kind == WallPiece::Kind::plane || inside(p, n, c.point))
+    hits.push_back({c, foot_of(c), &p, true});
+  else
+    edges.push_back(&p);
 }
 
 bool hit_before(const Hit& a, const Hit& b) {
@@ -116,10 +139,31 @@ bool hit_before(const Hit& a, const Hit& b) {
 /// At or behind the tangent plane of an accepted one.
 bool behind(const Hit& a, const Hit& h, double tolerance) { return dot(h.foot - a.foot, a.c.normal) >= -tolerance; }
 
+/// All of a triangle lies at or behind the tangent plane of an accepted face: so does every contact with its edges.
+bool hidden(const WallPiece& p, const std::vector<const Hit*>& accepted, double slack) {
+  return std::any_of(accepted.begin(), accepted.end(), [&](const Hit* a) {
+    for (const Vec3& corner : p.corner)
+      if (!(dot(corner - a->foot, a->c.normal) >= -1e-3 * slack)) return false;
+    return true;
+  });
+}
+
 /// The foot of h lies in the facet of a, which is met deeper elsewhere.
 bool leads_deeper(const Hit& a, const Hit& h, double tolerance) {
   return a.piece->kind == WallPiece::Kind::triangle && a.c.overlap > h.c.overlap &&
          distance_to_triangle(*a.piece, h.foot) <= tolerance;
+}
+
+/// Of sorted hits those that lie behind no other one; an edge must not lead to a deeper place of the same wall.
+void accept(const std::vector<Hit>& hits, double slack, std::vector<const Hit*>& accepted) {
+  accepted.clear();
+  for (const Hit& h : hits) {
+    const bool same = std::any_of(accepted.begin(), accepted.end(), [&](const Hit* a) { return behind(*a, h, slack); });
+    const bool leads = !h.face && std::any_of(hits.begin(), hits.end(), [&](const Hit& a) {
+      return a.piece->wall == h.piece->wall && leads_deeper(a, h, slack);
+    });
+    if (!same && !leads) accepted.push_back(&h);
+  }
 }
 
 }  // namespace
@@ -127,28 +171,32 @@ bool leads_deeper(const Hit& a, const Hit& h, double tolerance) {
 void body_wall_contacts(const Body& body, double bound, const WallSet& walls, std::span<const std::int32_t> candidates,
                         const WallSet::Wraps& wraps, std::vector<BodyWallContact>& out) {
   static thread_local std::vector<WallPiece> pieces;
-  static thread_local std::vector<Hit> hits;
+  static thread_local std::vector<Hit> hits, late;
   static thread_local std::vector<const Hit*> accepted;
+  static thread_local std::vector<const WallPiece*> edges;
   out.clear();
   hits.clear();
-  accepted.clear();
+  edges.clear();
+  late.clear();
   walls.pieces(body.centre, candidates, pieces, wraps);
   double slack = k_tangent_tolerance * bound;
   for (const WallPiece& p : pieces) {
-    Hit h;
     if (p.kind == WallPiece::Kind::cylinder)
       add_cylinder(body, p, hits);
-    else if (piece_hit(body, bound, p, h))
-      hits.push_back(h);
+    else
+      add_face(body, p, hits, edges);
     slack = fmax2(slack, p.slack);
   }
   std::stable_sort(hits.begin(), hits.end(), hit_before);
-  for (const Hit& h : hits) {
-    const bool same = std::any_of(accepted.begin(), accepted.end(), [&](const Hit* a) { return behind(*a, h, slack); });
-    const bool leads = !h.face && std::any_of(hits.begin(), hits.end(), [&](const Hit& a) {
-      return a.piece->wall == h.piece->wall && leads_deeper(a, h, slack);
-    });
-    if (!same && !leads) accepted.push_back(&h);
+  accept(hits, slack, accepted);
+  for (const WallPiece* p : edges) {
+    Hit h;
+    if (!hidden(*p, accepted, slack) && edge_hit(body, bound, *p, h)) late.push_back(h);
+  }
+  if (!late.empty()) {
+    hits.insert(hits.end(), late.begin(), late.end());
+    std::stable_sort(hits.begin(), hits.end(), hit_before);
+    accept(hits, slack, accepted);
   }
   if (accepted.size() > static_cast<std::size_t>(WallSet::k_max_contacts))
     throw Error(

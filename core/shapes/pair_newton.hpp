@@ -37,6 +37,8 @@ struct PairState {
 /// Residual [size] and step [rad] below which a lane is done. Near the middle of a flat face the residual cannot be
 /// resolved better than this; the overlap depends on its square.
 inline constexpr double k_residual = 1e-7, k_step = 1e-9, k_residual_loose = 1e-10;
+/// Two ellipsoids have no flat faces: what a last step of this size leaves behind is its square.
+inline constexpr double k_step_smooth = 1e-6;
 
 /// Rounding at which a step begins that knows the normal of the last one.
 inline constexpr double k_warm_eta = 1e-3;
@@ -119,6 +121,14 @@ TALUS_SHAPES_INLINE Step<S> newton_step(const PairPoint<S>& e, typename S::B b1,
   return {(e.k12 * b2 - c * b1) / det, (e.k12 * b1 - a * b2) / det};
 }
 
+/// 1 where both bodies are ellipsoids or balls, else 0.
+template <class S>
+TALUS_SHAPES_INLINE typename S::B smoothness(const PairForm<S>& p) {
+  const auto two = S::set(2), one = S::set(1), zero = S::set(0);
+  const auto off = (S::abs(p.i.p1 - two) + S::abs(p.i.p2 - two)) + (S::abs(p.j.p1 - two) + S::abs(p.j.p2 - two));
+  return S::select(S::gt(off, zero), zero, one);
+}
+
 /// How far eta falls in the next step, as a factor: the nearer to the path, the farther; to its end where it has no
 /// influence.
 template <class S>
@@ -168,6 +178,9 @@ TALUS_SHAPES_INLINE void iterate(const PairForm<S>& p, PairState<S>& s, int most
   q.newton = q.drift = {zero, zero};
   q.factor = q.share = one;
   q.care = s.care;
+  const auto smooth = S::gt(smoothness<S>(p), S::set(0.5));
+  const B fine = S::select(smooth, S::set(k_step_smooth), S::set(k_step)),
+          fit = S::select(smooth, one, S::set(k_residual));
   for (int k = 0; k < most; ++k) {
     const PairPoint<S> e = evaluate<S>(p, s.n, s.eta);
     const B residual = S::sqrt(e.g1 * e.g1 + e.g2 * e.g2) / p.size;
@@ -180,7 +193,7 @@ TALUS_SHAPES_INLINE void iterate(const PairForm<S>& p, PairState<S>& s, int most
     const B working = S::select(s.done, zero, one);
     const auto work = S::gt(working, S::set(0.5));
     const B gain = S::set(0.5) * (e.g1 * newton.t1 + e.g2 * newton.t2);
-    const B small = S::select(S::lt(length, S::set(k_step)), gain, zero);
+    const B small = S::select(S::lt(length, fine), gain, zero);
     s.delta = S::select(work, e.delta + small, s.delta);
     s.xi = choose<S>(work,
                      {e.xi.x + (m1 * e.t.u.x + m2 * e.t.v.x), e.xi.y + (m1 * e.t.u.y + m2 * e.t.v.y),
@@ -189,8 +202,8 @@ TALUS_SHAPES_INLINE void iterate(const PairForm<S>& p, PairState<S>& s, int most
     s.residual = S::select(work, residual, s.residual);
     s.step = S::select(work, length, s.step);
     s.steps = s.steps + working;
-    const B near = S::select(S::lt(length, S::set(k_step)), S::set(k_residual), S::set(k_residual_loose));
-    const B open = S::select(S::lt(residual, near), S::select(S::lt(length, S::set(10 * k_step)), zero, one), one);
+    const B near = S::select(S::lt(length, fine), fit, S::set(k_residual_loose));
+    const B open = S::select(S::lt(residual, near), S::select(S::lt(length, S::set(10) * fine), zero, one), one);
     // The rounded bodies hold the exact ones: apart along some n, they are apart.
     const auto apart = S::lt(e.delta, zero - s.range);
     const B stays = working * S::select(apart, zero, S::select(S::gt(s.eta, end), one, open));

@@ -44,12 +44,15 @@ TALUS_SHAPES_INLINE typename S::B lane_exp(typename S::B x) {
 }
 
 /// x^y for a normal x > 0 and |y log x| < 700. y = 1 gives x itself and y = 1/2 the rounded root: spheres and
-/// ellipsoids carry no error of a logarithm.
+/// ellipsoids carry no error of a logarithm, and where all lanes are such, none is computed.
 template <class S>
 TALUS_SHAPES_INLINE typename S::B power(typename S::B x, typename S::B y) {
-  const auto general = lane_exp<S>(y * lane_log<S>(x));
   const auto is = [&](double v) { return S::lt(S::abs(y - S::set(v)), S::set(1e-300)); };
-  return S::select(is(1), x, S::select(is(0.5), S::sqrt(x), general));
+  const auto whole = is(1), root = is(0.5);
+  const auto simple = S::select(whole, x, S::sqrt(x));
+  const auto others = S::select(whole, S::set(0), S::select(root, S::set(0), S::set(1)));
+  if (!S::any(S::gt(others, S::set(0.5)))) return simple;
+  return S::select(S::gt(others, S::set(0.5)), lane_exp<S>(y * lane_log<S>(x)), simple);
 }
 
 }  // namespace talus::shapes

@@ -1,29 +1,70 @@
 // Implementation of rigid_motion.hpp.
 #include "core/shapes/rigid_motion.hpp"
 
+#include <utility>
+
 #include "core/base/det_math.hpp"
 
 namespace talus::shapes {
 namespace {
 
-constexpr double k_half_turns = 0.25 / det::k_pi;  // half of an angle [rad], in turns
+/// Of the angle whose square is z: sine over angle, and cosine. Within rounding below 1/8 rad, which no turn of a step
+/// exceeds but where grains spin wildly.
+struct Turned {
+  double sine, cosine;
+};
+constexpr double k_small2 = 0.125 * 0.125;
+Turned small_turn(double z) noexcept {
+  const double s = -1.0 / 6 + z * (1.0 / 120 + z * (-1.0 / 5040 + z * (1.0 / 362880 - z * (1.0 / 39916800))));
+  const double c = 1.0 / 24 + z * (-1.0 / 720 + z * (1.0 / 40320 + z * (-1.0 / 3628800 + z * (1.0 / 479001600))));
+  const double h = 0.5 * z, w = 1 - h;  // 1 - z/2 loses the low bits of z/2
+  return {1 + z * s, w + (((1 - w) - h) + (z * z) * c)};
+}
 
-Quaternion about(Vec3 axis, double angle) noexcept {
-  const auto t = det::sincos_turns(k_half_turns * angle);
-  return {t.cos, t.sin * axis.x, t.sin * axis.y, t.sin * axis.z};
+/// sin and cos of half of an angle [rad].
+det::SinCos half_turn(double angle) noexcept {
+  const double x = 0.5 * angle, z = x * x;
+  if (!(z < k_small2)) return det::sincos_turns((0.25 / det::k_pi) * angle);
+  const Turned t = small_turn(z);
+  return {x * t.sine, t.cosine};
+}
+
+/// A turn about the vector `along` by `rate` times its length.
+Quaternion about(Vec3 along, double rate) noexcept {
+  const double half = 0.5 * rate, z = (half * half) * norm2(along);
+  if (z < k_small2) {
+    const Turned t = small_turn(z);
+    const double s = half * t.sine;
+    return {t.cosine, s * along.x, s * along.y, s * along.z};
+  }
+  const double size = norm(along);
+  const auto t = half_turn(size * rate);
+  const double s = t.sin / size;
+  return {t.cos, s * along.x, s * along.y, s * along.z};
 }
 
 /// The body turns about its own axis k; its angular momentum, fixed in space, turns back in its frame.
 void turn_about(int k, Quaternion& turn, Vec3& l, double inverse, double dt) noexcept {
-  const double angle = l[k] * inverse * dt;
-  Vec3 axis;
-  axis[k] = 1;
-  const auto t = det::sincos_turns(2 * k_half_turns * angle);
+  const auto t = half_turn(l[k] * inverse * dt);
+  const double cos = 1 - 2 * (t.sin * t.sin), sin = 2 * (t.sin * t.cos);
   const int a = (k + 1) % 3, b = (k + 2) % 3;
   const double la = l[a], lb = l[b];
-  l[a] = t.cos * la + t.sin * lb;
-  l[b] = t.cos * lb - t.sin * la;
-  turn = turn * about(axis, angle);
+  l[a] = cos * la + sin * lb;
+  l[b] = cos * lb - sin * la;
+  Vec3 v{turn.x, turn.y, turn.z};
+  const double w = turn.w, vk = v[k], va = v[a], vb = v[b];
+  v[k] = t.cos * vk + t.sin * w;
+  v[a] = t.cos * va + t.sin * vb;
+  v[b] = t.cos * vb - t.sin * va;
+  turn = {t.cos * w - t.sin * vk, v.x, v.y, v.z};
+}
+
+/// What rounding has taken from the length of a unit quaternion, to first order in it.
+Quaternion restored(Quaternion q) noexcept {
+  const double off = ((q.w * q.w + q.x * q.x) + (q.y * q.y + q.z * q.z)) - 1;
+  if (!(off < 1e-8 && off > -1e-8)) return normalised(q);
+  const double f = 1 - 0.5 * off;
+  return {f * q.w, f * q.x, f * q.y, f * q.z};
 }
 
 }  // namespace
@@ -41,16 +82,19 @@ Rotor make_rotor(Vec3 moments) noexcept {
   rotor.reference = rotor.inverse[r];
   rotor.extra_p = rotor.inverse[rotor.p] - rotor.reference;
   rotor.extra_q = rotor.inverse[rotor.q] - rotor.reference;
+  if (rotor.extra_q == 0) {  // a body of revolution turns about its axis once per step, not in two halves
+    std::swap(rotor.p, rotor.q);
+    std::swap(rotor.extra_p, rotor.extra_q);
+  }
   return rotor;
 }
 
 void rotate(Quaternion& turn, Vec3& l, const Rotor& rotor, double dt) noexcept {
-  const double size = norm(l);
-  if (size > 0) turn = turn * about((1 / size) * l, size * rotor.reference * dt);
+  turn = turn * about(l, rotor.reference * dt);
   if (rotor.extra_p != 0) turn_about(rotor.p, turn, l, rotor.extra_p, 0.5 * dt);
   if (rotor.extra_q != 0) turn_about(rotor.q, turn, l, rotor.extra_q, dt);
   if (rotor.extra_p != 0) turn_about(rotor.p, turn, l, rotor.extra_p, 0.5 * dt);
-  turn = normalised(turn);
+  turn = restored(turn);
 }
 
 void drift(RigidState& s, const Rotor& rotor, double dt) noexcept {

@@ -46,16 +46,34 @@ struct Support {
   typename S::B round;      ///< weight of v . v
 };
 
+/// The support function, and the terms that it is made of.
+template <class S>
+struct Height {
+  typename S::B h;  ///< [m]
+  Triple<S> size;   ///< m_k^2 + eta^2
+  typename S::B pa, pb, inner, q, c, sum;
+};
+template <class S>
+TALUS_SHAPES_INLINE Height<S> height(const DualForm<S>& body, const Triple<S>& m, typename S::B tau) {
+  const auto half = S::set(0.5);
+  Height<S> t;
+  t.size = {m.x * m.x + tau, m.y * m.y + tau, m.z * m.z + tau};
+  t.pa = power<S>(body.axes2.x * t.size.x, half * body.p2);
+  t.pb = power<S>(body.axes2.y * t.size.y, half * body.p2);
+  t.inner = t.pa + t.pb;
+  t.q = power<S>(t.inner, body.p1 / body.p2);
+  t.c = power<S>(body.axes2.z * t.size.z, half * body.p1);
+  t.sum = t.q + t.c;
+  t.h = power<S>(t.sum, S::set(1) / body.p1);
+  return t;
+}
+
 /// m: unit vector in the body frame; eta > 0.
 template <class S>
 TALUS_SHAPES_INLINE Support<S> support(const DualForm<S>& body, const Triple<S>& m, typename S::B eta) {
   using B = typename S::B;
   const B one = S::set(1), half = S::set(0.5), tau = eta * eta;
-  const Triple<S> size{m.x * m.x + tau, m.y * m.y + tau, m.z * m.z + tau};
-  const B big_x = body.axes2.x * size.x, big_y = body.axes2.y * size.y, big_z = body.axes2.z * size.z;
-  const B pa = power<S>(big_x, half * body.p2), pb = power<S>(big_y, half * body.p2);
-  const B inner = pa + pb, q = power<S>(inner, body.p1 / body.p2), c = power<S>(big_z, half * body.p1);
-  const B sum = q + c, h = power<S>(sum, one / body.p1);
+  const auto [h, size, pa, pb, inner, q, c, sum] = height<S>(body, m, tau);
   const B alpha = pa / inner, beta = pb / inner, sigma = q / sum, wz = c / sum;
   const B wx = sigma * alpha, wy = sigma * beta;
   const Triple<S> inverse{one / size.x, one / size.y, one / size.z};

@@ -43,4 +43,28 @@ void solve_pairs(const PairColumns& c, int most) {
   }
 }
 
+template <class S>
+void find_gaps(const GapColumns& c) {
+  using B = typename S::B;
+  const B tau = S::set(shapes::k_eta * shapes::k_eta);
+  for (std::int64_t at = 0; at < c.pairs; at += S::W) {
+    const double* in = c.in + at;
+    const auto take = [&]() {
+      const B v = S::load(in);
+      in += c.stride;
+      return v;
+    };
+    B h[2];
+    for (B& one : h) {
+      shapes::DualForm<S> f;
+      f.axes2.x = take(), f.axes2.y = take(), f.axes2.z = take();
+      f.p1 = take(), f.p2 = take();
+      shapes::Triple<S> m;
+      m.x = take(), m.y = take(), m.z = take();
+      one = shapes::height<S>(f, m, tau).h;
+    }
+    S::store(c.out + at, (h[0] + h[1]) - take());
+  }
+}
+
 }  // namespace talus::kernels

@@ -4,4 +4,6 @@
 namespace talus {
 extern const PairSolver k_pair_solver_avx512;
 constinit const PairSolver k_pair_solver_avx512 = kernels::solve_pairs<kernels::Lanes<simd::Avx512>>;
+extern const PairGaps k_pair_gaps_avx512;
+constinit const PairGaps k_pair_gaps_avx512 = kernels::find_gaps<kernels::Lanes<simd::Avx512>>;
 }  // namespace talus

@@ -4,4 +4,6 @@
 namespace talus {
 extern const PairSolver k_pair_solver_scalar;
 constinit const PairSolver k_pair_solver_scalar = kernels::solve_pairs<kernels::Lanes<simd::Scalar>>;
+extern const PairGaps k_pair_gaps_scalar;
+constinit const PairGaps k_pair_gaps_scalar = kernels::find_gaps<kernels::Lanes<simd::Scalar>>;
 }  // namespace talus

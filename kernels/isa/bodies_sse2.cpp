@@ -4,4 +4,6 @@
 namespace talus {
 extern const PairSolver k_pair_solver_sse2;
 constinit const PairSolver k_pair_solver_sse2 = kernels::solve_pairs<kernels::Lanes<simd::Sse2>>;
+extern const PairGaps k_pair_gaps_sse2;
+constinit const PairGaps k_pair_gaps_sse2 = kernels::find_gaps<kernels::Lanes<simd::Sse2>>;
 }  // namespace talus

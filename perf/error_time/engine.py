@@ -32,7 +32,7 @@ class Failure(Exception):
 
 @dataclasses.dataclass
 class Outcome:
-    """What an observed run left. frames: {step: rows by id, x y z vx vy vz wx wy wz}."""
+    """What an observed run left. frames: {step: rows by id, x y z vx vy vz wx wy wz}, and the quaternion of bodies."""
     steps: int
     frames: dict
     hash: str = None
@@ -220,8 +220,14 @@ def digest_file(path):
 
 
 def talus_frames(folder, count):
-    frames = {}
-    for name in sorted(os.listdir(os.path.join(folder, "vtp"))):
+    frames, names = {}, sorted(os.listdir(os.path.join(folder, "vtp")))
+    for name in (n for n in names if n.startswith("bodies-")):
+        c = states.read_vtp(os.path.join(folder, "vtp", name))
+        rows = np.hstack([c["Points"], c["velocity"], c["angular_velocity"], c["orientation"]])
+        frames[int(name[len("bodies-"):-len(".vtp")])] = rows[np.argsort(c["id"])]
+    if frames:
+        return frames
+    for name in names:
         if name.startswith("particles-"):
             c = states.read_vtp(os.path.join(folder, "vtp", name))
             out = np.full((count, 9), np.nan)

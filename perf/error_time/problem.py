@@ -61,6 +61,7 @@ class Problem:
     planes: tuple = ()              # (z, +1 or -1): side of the grains
     drive: float = 0.0              # velocity of the driven grains along x
     overlapping: bool = False       # the initial state has overlaps
+    words: str = ""                 # of the scene: its source, shapes and walls in place of the file of grains
     knobs: dict = dataclasses.field(default_factory=dict)  # Talus scene keys
 
     def __post_init__(self):
@@ -112,7 +113,7 @@ def talus_scene(p, observed):
     lines += ["[checks]", f"allow_initial_overlap = {toml(p.overlapping)}"] + section(knobs, "checks")
     for name in sorted({k.split(".")[0] for k in knobs if "." in k} - {"contact", "list", "checks"}):
         lines += [f"[{name}]"] + section(knobs, name)
-    lines += ["[[source]]", 'kind = "file"', 'file = "grains.csv"']
+    lines += [p.words] if p.words else ["[[source]]", 'kind = "file"', 'file = "grains.csv"']
     if (p.kind == FIXED).any():
         lines += ["[[group]]", 'name = "fixed"', "fixed_in_file = true"]
     driven = np.flatnonzero(p.kind == DRIVEN)

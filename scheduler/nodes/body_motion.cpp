@@ -25,8 +25,8 @@ struct Motion {
   const Lists& lists;
   Column<double>& energy;
   Chunk& c;
-  double kick;
-  bool relaxing, last;  ///< it relaxes, for the last time
+  double kick, per_step;  ///< [s], 1/dt [1/s]
+  bool relaxing, last;    ///< it relaxes, for the last time
 };
 
 /// Sum over the rows of a body.
@@ -118,13 +118,20 @@ double kick_body(const Motion& m, const BodyShape& shape, double mass, double in
   return scene.dt * lost;
 }
 
+/// wrapped(), told apart at once where no side has been passed.
+Vec3 in_domain(const Rules& rules, Vec3 x) {
+  const Vec3 end = rules.size;
+  const bool in = x.x >= 0 && x.x < end.x && x.y >= 0 && x.y < end.y && x.z >= 0 && x.z < end.z;
+  return in ? x : wrapped(rules, x);
+}
+
 /// The row of a sphere: `centre` not wrapped.
 void write_row(const Motion& m, Row i, Vec3 centre, Vec3 before, Vec3 off, Vec3 velocity, Vec3 spin,
                double inverse_mass) {
   const Rules& rules = m.rules;
   const double* p = m.rows.p.data() + 4L * i;
   double *p2 = m.rows.p2.data() + 4L * i, *v2 = m.rows.v2.data() + static_cast<long>(m.rows.stride) * i;
-  const Vec3 x = wrapped(rules, centre + off), v = velocity + (1 / rules.scene.dt) * (off - before);
+  const Vec3 x = in_domain(rules, centre + off), v = velocity + m.per_step * (off - before);
   for (int k = 0; k < 3; ++k) p2[k] = x[k], v2[k] = m.last ? 0.0 : v[k];
   p2[3] = p[3];
   if (rules.has.rotation) {
@@ -140,7 +147,10 @@ bool expired(const Motion& m, Row i) {
   Vec3 d{x[0] - ref[0], x[1] - ref[1], x[2] - ref[2]};
   if (m.lists.skin.drifts())
     d = d - (static_cast<double>(m.clock.step + 1 - m.lists.frame.built) * m.rules.scene.dt) * m.lists.drift_of(i);
-  return !(norm2(m.rules.scene.domain.box().nearest_of_any(d)) <= ref[3]);
+  bool far = false;  // from a place before a side has wrapped it
+  for (int k = 0; k < 3; ++k) far = far || !(d[k] < 0.4 * m.rules.size[k] && d[k] > -0.4 * m.rules.size[k]);
+  if (far) d = m.rules.scene.domain.box().nearest_of_any(d);
+  return !(norm2(d) <= ref[3]);
 }
 
 void write_body(Bodies& bodies, std::int32_t b, const BodyState& s) {
@@ -168,6 +178,11 @@ bool outside(const Rules& rules, Vec3 x) {
   return out;
 }
 
+/// As spin_of().
+Vec3 spin_by(Vec3 inverse, const Rotation& r, Vec3 l) {
+  return shapes::to_space(r, {l.x * inverse.x, l.y * inverse.y, l.z * inverse.z});
+}
+
 void move_body(const Motion& m, std::int32_t b, Row i) {
   Bodies& bodies = m.rows.bodies;
   const BodyShape& shape = shape_of(m.rules, bodies, b);
@@ -175,7 +190,8 @@ void move_body(const Motion& m, std::int32_t b, Row i) {
   if (!m.rows.is_alive(i)) return keep_dead(m, b, i, count);
   const double scale = bodies.scale(b), mass = bodies.mass(b), inverse_mass = bodies.v[4L * b + 3],
                dt = m.rules.scene.dt;
-  const double inverse_inertia = 1 / inertia_scale(bodies, b);
+  const double inverse_inertia = 1 / (mass * (scale * scale));  // as inertia_scale()
+  const Vec3 inverse = inverse_inertia * shape.rotor.inverse;
   BodyState s = state_of(bodies, b);
   const Rotation before = shapes::rotation(s.turn);
   const Load load = load_of(m, shape, scale, before, i);
@@ -194,13 +210,13 @@ void move_body(const Motion& m, std::int32_t b, Row i) {
       const double lost = kick_body(m, shape, mass, inverse_mass, inverse_inertia, load, before, s);
       if (m.rules.has.energies && m.rules.scene.local_damping != 0) m.energy[4L * i + 3] = lost;
     }
-    spin = spin_of(shape, inverse_inertia, before, s.spin);
+    spin = spin_by(inverse, before, s.spin);
     shapes::rotate(s.turn, s.spin, shape.rotor, dt * inverse_inertia);
   } else {
     s.turn = turned(s.turn, dt * s.spin);
   }
   const Rotation after = shapes::rotation(s.turn);
-  if (inverse_mass > 0) spin = 0.5 * (spin + spin_of(shape, inverse_inertia, after, s.spin));
+  if (inverse_mass > 0) spin = 0.5 * (spin + spin_by(inverse, after, s.spin));
   const Vec3 centre = s.x + dt * s.v;
   Row row = i;
   for (const shapes::SubSphere& part : shape.spheres) {
@@ -209,7 +225,7 @@ void move_body(const Motion& m, std::int32_t b, Row i) {
     if (expired(m, row)) m.c.result.expired = 1;
     ++row;
   }
-  s.x = wrapped(m.rules, centre);
+  s.x = in_domain(m.rules, centre);
   if (m.last && inverse_mass > 0) s.v = s.spin = {};
   write_body(bodies, b, s);
   if (outside(m.rules, s.x)) m.c.result.out[static_cast<std::size_t>(m.c.result.out_count++)] = i;
@@ -228,6 +244,7 @@ void move_bodies(const Rules& rules, const Clock& clock, Rows& rows, const Lists
                  energy,
                  c,
                  half ? 0.5 * scene.dt : scene.dt,
+                 1 / scene.dt,
                  clock.step < scene.relax.steps,
                  clock.step + 1 == scene.relax.steps};
   c.result.body_row = 0;

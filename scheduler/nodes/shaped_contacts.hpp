@@ -6,7 +6,9 @@
 //
 // History columns behind those of the law: the normal of the last step, from i to j, where Newton's method starts; and,
 // while the surfaces touch, the sum of both arms (from centre to contact point), whose difference is that of the
-// centres. Their means with the present ones belong to n-1/2, as the velocities do.
+// centres. Their means with the present ones belong to n-1/2, as the velocities do. Pairs that do not touch keep a
+// normal along which they are apart: while it parts them, one support function of each body says so, and no solver is
+// asked. What is decided, and kept, is a function of the pair's state alone.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +21,7 @@ namespace talus {
 /// Columns that change sign with the order of the partners.
 inline constexpr unsigned k_shaped_flips = 0b000111;
 
+struct ShapedBatch;
 struct ShapedLanes;
 
 class ShapedContacts {
@@ -43,9 +46,17 @@ class ShapedContacts {
 
   /// Solved here alone, not by the owner of another chunk, too.
   bool interior(std::int64_t at) const noexcept { return at >= c_.contacts.end[0] && at < c_.contacts.end[1]; }
+  void guess(int k, std::int64_t at, Row i, Row j, const Block& b, ShapedLanes& lanes);
+  void part(std::int64_t k0, const Block& b, ShapedLanes& lanes, BlockBuffers& buffers);
+  void solve_quick(std::int64_t k0, ShapedLanes& lanes, BlockBuffers& buffers);
+  void solve_hard(std::int64_t k0, ShapedBatch& hard, BlockBuffers& buffers);
+  void leave(int k, std::int64_t at, BlockBuffers& buffers);
+  /// Of a row of the chunk from the scratch, of another in `room`.
+  const Pose& pose(Row i, Pose& room) const;
   void queue(int k, std::int64_t at, Row i, Row j, const Block& b, ShapedLanes& lanes) const;
-  Answer answer(int lane, std::int64_t at, const ShapedLanes& lanes);
-  void give(int lane, std::int64_t at, const ShapedLanes& lanes, BlockBuffers& buffers);
+  bool between_spheres(Row i, Row j) const;
+  Answer answer(int lane, std::int64_t at, const ShapedBatch& batch);
+  void give(int lane, std::int64_t k0, const ShapedBatch& batch, BlockBuffers& buffers);
   void give_apart(int k, BlockBuffers& buffers) const;
   void judge_depth(std::int64_t slot, Row i, Row j, double overlap, double inner);
 

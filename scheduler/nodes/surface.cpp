@@ -10,30 +10,42 @@ const BodyShape* superquadric_of(const Rules& rules, const Rows& rows, Row i) {
   return shape.quadric && !shape.quadric->ball ? &shape : nullptr;
 }
 
-Surface surface_of(const Rules& rules, const Rows& rows, Row i) {
+Pose pose_of(const Rules& rules, const Rows& rows, Row i) {
+  Pose pose;
+  const BodyShape* shape = pose.shape = superquadric_of(rules, rows, i);
+  if (shape == nullptr) {
+    const double r = rows.p[4L * i + 3];
+    pose.form = {{r * r, r * r, r * r}, 2, 2};
+    return pose;
+  }
+  const std::int32_t b = rows.body_of(i);
+  const double scale = rows.bodies.scale(b), s2 = scale * scale;
+  pose.form = shape->quadric->form;
+  pose.form.axes2 = {s2 * pose.form.axes2.x, s2 * pose.form.axes2.y, s2 * pose.form.axes2.z};
+  pose.turn = shapes::rotation(state_of(rows.bodies, b).turn);
+  return pose;
+}
+
+Surface surface_of(const Rules& rules, const Rows& rows, Row i, const Pose& pose) {
   const double *p = rows.p.data() + 4L * i, *v = rows.v.data() + static_cast<long>(rows.stride) * i;
   Surface s;
   s.v = {v[0], v[1], v[2]};
   s.w = (1 / p[3]) * Vec3{v[4], v[5], v[6]};
   s.inverse_mass = v[7];
-  const BodyShape* shape = superquadric_of(rules, rows, i);
+  s.form = pose.form;
+  s.turn = pose.turn;
+  const BodyShape* shape = pose.shape;
   if (shape == nullptr) {
-    const double r2 = p[3] * p[3];
-    s.form = {{r2, r2, r2}, 2, 2};
     s.size = s.roundness = s.inner = s.middle = p[3];
     return s;
   }
   const std::int32_t b = rows.body_of(i);
   s.quadric = &*shape->quadric;
   s.scale = rows.bodies.scale(b);
-  const double s2 = s.scale * s.scale;
-  s.form = s.quadric->form;
-  s.form.axes2 = {s2 * s.form.axes2.x, s2 * s.form.axes2.y, s2 * s.form.axes2.z};
   s.size = s.scale * s.quadric->size;
   s.roundness = s.scale * s.quadric->roundness;
   s.inner = s.scale * shape->smallest;
   s.middle = s.scale * shape->equal_radius;
-  s.turn = shapes::rotation(state_of(rows.bodies, b).turn);
   if (s.inverse_mass > 0) s.inverse_inertia = (1 / inertia_scale(rows.bodies, b)) * shape->rotor.inverse;
   return s;
 }

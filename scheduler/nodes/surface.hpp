@@ -22,9 +22,20 @@ struct Surface {
   shapes::Body body(Vec3 centre) const { return {form, size, roundness, centre, turn}; }
 };
 
+/// What the overlap along a given direction needs of a row.
+struct Pose {
+  const BodyShape* shape = nullptr;  ///< superquadric_of()
+  shapes::DualForm<shapes::Plain> form;
+  shapes::Rotation turn{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+};
+Pose pose_of(const Rules& rules, const Rows& rows, Row i);
+
 /// The shape of the row's body where that is a superquadric and no ball, else null.
 const BodyShape* superquadric_of(const Rules& rules, const Rows& rows, Row i);
-Surface surface_of(const Rules& rules, const Rows& rows, Row i);
+Surface surface_of(const Rules& rules, const Rows& rows, Row i, const Pose& pose);
+inline Surface surface_of(const Rules& rules, const Rows& rows, Row i) {
+  return surface_of(rules, rows, i, pose_of(rules, rows, i));
+}
 
 /// What a force along the unit vector n at `arm` from the centre sets in motion there, 1/m + (r x n) I^-1 (r x n)
 /// [1/kg].

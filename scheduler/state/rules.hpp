@@ -39,7 +39,8 @@ struct LawRules {
   std::vector<double> adhesive_range;    ///< AdhesiveArgs::range; empty without adhesion
   MomentArgs moment_args{};
   unsigned moment_flips = 0;
-  PairSolver solver = nullptr;  ///< superquadrics only
+  PairSolver solver = nullptr;  ///< superquadrics only, like the next
+  PairGaps gaps = nullptr;
 };
 
 /// Bounds that the monitor holds the step to, judged at construction.

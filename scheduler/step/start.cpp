@@ -50,10 +50,11 @@ void set_features(Rules& rules, bool any_fixed) {
 }
 
 /// Pairs of superquadrics are solved exactly in both precisions.
-PairSolver solver_of(const KernelTable& kernels) {
+std::string_view exact_set(const KernelTable& kernels) {
   const std::string_view name = kernels.name;
-  return pair_solver(name.substr(0, name.find(' ')));
+  return name.substr(0, name.find(' '));
 }
+PairSolver solver_of(const KernelTable& kernels) { return pair_solver(exact_set(kernels)); }
 
 void set_law(Rules& rules) {
   const Scene& scene = rules.scene;
@@ -76,6 +77,7 @@ void set_law(Rules& rules) {
   rules.law.args.total = scene.contact.friction_limit == FrictionLimit::total || scene.contact.clip_tension ? 1 : 0;
   rules.law.args.synchronised = scene.contact.synchronised ? 1 : 0;
   rules.law.args.contact_lever = scene.contact.lever == Lever::contact ? 1 : 0;
+  if (h.superquadrics) rules.law.gaps = pair_gaps(exact_set(*rules.kernels));
 }
 
 /// Everything that does not depend on walls.

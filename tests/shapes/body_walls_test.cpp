@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/scene/scene_file.hpp"
+#include "core/shapes/wall_contact.hpp"
 #include "tests/shapes/shape_support.hpp"
 
 namespace talus::shapes {
@@ -82,6 +83,47 @@ TEST(BodyWalls, BallMeetsThemAsASphereDoes) {
   EXPECT_GT(compared, 2000);
   EXPECT_GT(several, 200);
   EXPECT_GT(edges, 100);
+}
+
+// Edges that a direction parts and triangles behind a face that is met are not asked: nothing may be lost by that.
+TEST(BodyWalls, ABodyMeetsSomethingExactlyWhereSomeFacetIsMet) {
+  const Walls walls;
+  Draw draw(9);
+  int met = 0, apart = 0, by_edges = 0;
+  for (int k = 0; k < 1000; ++k) {
+    Superquadric s = draw.shape(2, k % 2 == 0 ? 2 : 20, 4);
+    const double bound = bounding_radius(s);
+    // about the borders of the block and of the plate
+    const bool block = k % 4 < 2;
+    const Vec3 low = block ? Vec3{6, 6, 2} : Vec3{14, 3, 5}, high = block ? Vec3{12, 13, 4} : Vec3{17, 15, 5.4};
+    Vec3 c;
+    for (int q = 0; q < 3; ++q) c[q] = (draw.uniform() < 0.5 ? low : high)[q] + draw.uniform(-1, 1);
+    const Body body = make_body(s, smallest_radius(s), c, draw.turn());
+    std::vector<std::int32_t> near;
+    walls.set.candidates(c, bound, near);
+    std::vector<WallPiece> pieces;
+    walls.set.pieces(c, near, pieces, {});
+    double deepest = -1;
+    bool face = false;
+    PairCount count;
+    for (const WallPiece& p : pieces) {
+      PairMemory none[3];
+      const bool plane = p.kind == WallPiece::Kind::plane;
+      const double side = plane && dot(c - p.corner[0], p.normal) < 0 ? -1 : 1;
+      const shapes::WallContact w =
+          plane ? plane_contact(body, p.corner[0], side * p.normal) : triangle_contact(body, p.corner, none, count);
+      face = face || (w.overlap > 0 &&
+                      fmax2(std::fabs(w.normal.x), fmax2(std::fabs(w.normal.y), std::fabs(w.normal.z))) > 1 - 1e-12);
+      deepest = fmax2(deepest, w.overlap);
+    }
+    if (std::fabs(deepest) < 1e-7 * bound) continue;  // within rounding of touch
+    EXPECT_EQ(walls.contacts(body, bound).empty(), !(deepest > 0)) << k << ": " << deepest;
+    ++(deepest > 0 ? met : apart);
+    by_edges += deepest > 0 && !face;
+  }
+  EXPECT_GT(met, 120);
+  EXPECT_GT(apart, 120);
+  EXPECT_GT(by_edges, 25);
 }
 
 TEST(BodyWalls, BallMeetsACylinderAsASphereDoesFromInsideAndOutside) {

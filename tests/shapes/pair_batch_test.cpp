@@ -69,7 +69,49 @@ TEST(PairBatch, EveryInstructionSetGivesTheBitsOfOnePairAlone) {
   }
 }
 
-TEST(PairBatch, UnknownInstructionSetsHaveNoSolver) { EXPECT_EQ(pair_solver("neon"), nullptr); }
+// A gap along any direction is proof: the overlap is the least over all of them.
+TEST(PairGaps, AreNeverBelowTheOverlapAndHaveTheBitsOfAnEvaluation) {
+  Draw draw(32);
+  const int n = 403;
+  const std::int64_t stride = (n + 7) / 8 * 8;
+  std::vector<double> in(GapColumns::k_in * stride, 1.0), out(stride), want(n);
+  int apart = 0;
+  for (int k = 0; k < n; ++k) {
+    auto c = known_contact(draw, k % 4, 2, k % 3 == 0 ? 2 : 20, 10, 1e-3);
+    c.j.centre = c.j.centre + (k % 2 == 0 ? 0 : draw.uniform(0, 0.3)) * c.normal;
+    const PairForm<Plain> p = pair_form(c.i, c.j);
+    const Vec3 turned = to_body(c.i.turn, c.normal + draw.uniform(0, 0.5) * draw.direction());
+    const Triple<Plain> along = unit<Plain>({turned.x, turned.y, turned.z}), m = to_j<Plain>(p, along);
+    want[k] = evaluate<Plain>(p, along, k_eta).delta;
+    int column = 0;
+    const auto put = [&](double v) { in[column++ * stride + k] = v; };
+    for (const auto& [form, direction] : {std::pair{p.i, along}, std::pair{p.j, m}})
+      for (const double v :
+           {form.axes2.x, form.axes2.y, form.axes2.z, form.p1, form.p2, direction.x, direction.y, direction.z})
+        put(v);
+    put(dot<Plain>(along, p.d));
+    ASSERT_EQ(column, GapColumns::k_in);
+    PairMemory memory;
+    PairCount count;
+    const double overlap = solve_pair(c.i, c.j, memory, count, 10).overlap;
+    EXPECT_GE(want[k], overlap - 1e-12 * p.size);
+    apart += want[k] < 0;
+    if (k % 2 == 0) EXPECT_GT(want[k], 0);  // they touch
+  }
+  EXPECT_GT(apart, n / 10);
+  for (const Isa isa : available_isas()) {
+    pair_gaps(isa_name(isa))({n, stride, in.data(), out.data()});
+    int different = 0;
+    for (int k = 0; k < n; ++k)
+      different += std::bit_cast<std::uint64_t>(out[k]) != std::bit_cast<std::uint64_t>(want[k]);
+    EXPECT_EQ(different, 0) << isa_name(isa);
+  }
+}
+
+TEST(PairBatch, UnknownInstructionSetsHaveNoSolver) {
+  EXPECT_EQ(pair_solver("neon"), nullptr);
+  EXPECT_EQ(pair_gaps("neon"), nullptr);
+}
 
 }  // namespace
 }  // namespace talus::shapes

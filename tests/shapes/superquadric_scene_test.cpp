@@ -147,6 +147,37 @@ TEST(Superquadric, EllipsoidLeavesAPlaneAsItsImpulseSays) {
   }
 }
 
+/// Pairs of an engine whose bounding spheres meet, each once; `touch`: of them, those whose surfaces do.
+std::int64_t near_pairs(Simulation& sim, bool touch) {
+  std::int64_t twice = 0;
+  for (const auto& c : EngineAccess::world(sim).contacts.chunks) {
+    const std::int64_t* end = c->contacts.end;
+    twice += 2 * (end[1] - end[0]) + end[0] + (end[2] - end[1]);
+    if (touch) twice -= 2 * c->contacts.apart[0] + c->contacts.apart[1];
+  }
+  return twice / 2;
+}
+
+TEST(Superquadric, PairsThatALastNormalPartsAreNotSolvedAgain) {
+  for (const char* exponents : {"", "[5, 4]"}) {
+    Words w;
+    w.head = "gravity = [0, 0, -9.81]";
+    w.boundary = "[\"periodic\", \"periodic\", \"wall\"]";
+    w.restitution = "0.3";
+    w.shape = superquadric("egg", "[0.002, 0.0035, 0.0025]", exponents);
+    w.rest = source("grains", 150, "[0, 0, 0]", "[0.05, 0.05, 0.05]", "shape = \"egg\"");
+    Simulation sim(scene_of(w), {});
+    sim.run(20000);
+    const std::int64_t spheres = near_pairs(sim, false), touching = near_pairs(sim, true);
+    EXPECT_GT(touching, 100);
+    EXPECT_GT(spheres, touching * 3 / 2);
+    EXPECT_GE(sim.counters().step_solved_pairs, touching);
+    EXPECT_LE(sim.counters().step_solved_pairs, touching + touching / 10);
+    std::printf("spheres of %lld pairs meet, %lld touch, %lld were solved\n", static_cast<long long>(spheres),
+                static_cast<long long>(touching), static_cast<long long>(sim.counters().step_solved_pairs));
+  }
+}
+
 /// Relative change of the energy of pairs that meet without friction or damping, spin included.
 double energy_error(double dt, int seed) {
   Words w;
