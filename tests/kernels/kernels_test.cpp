@@ -468,7 +468,7 @@ TEST(Law, LateContactsHaveTheBitsThatTheyHaveInTheirBlock) {
         for (int part = 0; part < 2; ++part) {
           LateContacts& of = *by_trial.part[part];
           const double back = of.n > 0 ? k.late(of, a) : 0;
-          std::vector<double> f(static_cast<std::size_t>(8 * k_block + 8));
+          Column<double> f(static_cast<std::size_t>(8 * k_block + 8), 0.0);
           std::vector<std::int32_t> own(k_block + k_pad);
           std::iota(own.begin(), own.end(), 0);
           k.scatter_limited(LimitArgs{{f.data(), own.data(), own.data(), of.n, 0, 0, of.r},
