@@ -33,6 +33,7 @@ std::size_t ScratchPool::bytes() const {
   for (const auto& s : all_) {
     b += (s->ci.capacity() + s->cj.capacity()) * 4 + (s->f.capacity() + s->m.capacity()) * 8 + s->before.capacity();
     for (const auto& h : s->h) b += h.capacity() * 8;
+    b += s->late.size() * sizeof(LateContacts);
   }
   return b;
 }
