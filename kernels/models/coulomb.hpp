@@ -29,7 +29,7 @@ struct CoulombLimit {
     typename S::B all;  // 1/(|g| whole)
     if constexpr (S::fast) {
       const auto inv_g = S::inverse_sqrt(g2);
-      size = g2 * inv_g;
+      size = S::select(S::gt(g2, S::set(1e-300)), g2 * inv_g, S::set(0.0));  // not 0 times infinity
       all = inv_g * S::inverse(whole);
     } else {
       size = S::sqrt(g2);
