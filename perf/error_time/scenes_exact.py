@@ -91,6 +91,12 @@ class ObliqueImpact(Scene):
         # the force -F along the slip turns the sphere: R dw = -5/2 dv (z x along)
         self.rw = -2.5 * dv[:, None] * np.cross([0, 0, 1], self.along)
 
+    def build(self, setting, seed):
+        # The closed form, as the peers, limits friction by the whole normal force; the default's limit is its elastic part.
+        problem = super().build(setting, seed)
+        problem.knobs.setdefault("contact.friction_limit", "total")
+        return problem
+
     def body(self, seed):
         top = 1.5 * self.side + 1
         return {"grains": self.grains, "lower": (-1, -1, -1), "upper": (top, top, 3), "planes": ((0.0, 1),)}
