@@ -39,8 +39,8 @@ struct NarrowArgs {
   int run_count;                ///< 0: every contact has its place of the last step
 };
 
-/// Contacts that begin or end, taken out of blocks: copies of their input, then their output, laid out as in Block. Of
-/// the others' order a sum of forces keeps nothing: they are added behind all others of a chunk, in list order.
+/// Contacts that begin or end, taken out of blocks: copies of their input, then their output, laid out as in Block. They
+/// are added behind all others of a chunk, in list order.
 struct LateContacts {
   int n;
   std::int32_t at[k_block];  ///< place in the block, or in the chunk

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Error against run time: what a smaller step, another integrator, law, dashpot, list, softer contacts or another code buys.
 
-  python3 perf/error_time.py --quick                   # all scenes, few points, about three minutes
+  python3 perf/error_time.py --quick                   # all scenes, few points, three to eight minutes
   python3 perf/error_time.py                           # all scenes, all points: tens of minutes, resumable
   python3 perf/error_time.py --scenes normal,shear     # some of: normal oblique bounce stack sticking gas shear impacts
                                                        #          sliding frictional rods boxes cooling hopper chute

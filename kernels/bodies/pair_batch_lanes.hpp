@@ -7,21 +7,32 @@
 
 namespace talus::kernels {
 
+/// Reads one column after the other, for S::W pairs.
+template <class S>
+struct NextColumn {
+  const double* in;
+  std::int64_t stride;
+  typename S::B operator()() {
+    const typename S::B v = S::load(in);
+    in += stride;
+    return v;
+  }
+  shapes::DualForm<S> form() {
+    shapes::DualForm<S> f;
+    f.axes2.x = (*this)(), f.axes2.y = (*this)(), f.axes2.z = (*this)();
+    f.p1 = (*this)(), f.p2 = (*this)();
+    return f;
+  }
+};
+
 template <class S>
 void solve_pairs(const PairColumns& c, int most) {
   using B = typename S::B;
   for (std::int64_t at = 0; at < c.pairs; at += S::W) {
-    const double* in = c.in + at;
-    const auto take = [&]() {
-      const B v = S::load(in);
-      in += c.stride;
-      return v;
-    };
+    NextColumn<S> take{c.in + at, c.stride};
     shapes::PairForm<S> p;
-    for (shapes::DualForm<S>* f : {&p.i, &p.j}) {
-      f->axes2.x = take(), f->axes2.y = take(), f->axes2.z = take();
-      f->p1 = take(), f->p2 = take();
-    }
+    p.i = take.form();
+    p.j = take.form();
     for (shapes::Triple<S>& row : p.turn) row.x = take(), row.y = take(), row.z = take();
     p.d.x = take(), p.d.y = take(), p.d.z = take();
     p.size = take();
@@ -48,17 +59,10 @@ void find_gaps(const GapColumns& c) {
   using B = typename S::B;
   const B tau = S::set(shapes::k_eta * shapes::k_eta);
   for (std::int64_t at = 0; at < c.pairs; at += S::W) {
-    const double* in = c.in + at;
-    const auto take = [&]() {
-      const B v = S::load(in);
-      in += c.stride;
-      return v;
-    };
+    NextColumn<S> take{c.in + at, c.stride};
     B h[2];
     for (B& one : h) {
-      shapes::DualForm<S> f;
-      f.axes2.x = take(), f.axes2.y = take(), f.axes2.z = take();
-      f.p1 = take(), f.p2 = take();
+      const shapes::DualForm<S> f = take.form();
       shapes::Triple<S> m;
       m.x = take(), m.y = take(), m.z = take();
       one = shapes::height<S>(f, m, tau).h;

@@ -53,8 +53,8 @@ struct ContactEnd {
 };
 
 /// Steps before the end, and after the touch without early_slip(), in which a contact is set aside. More than k_early
-/// by what a spring adds to the speed in that time: enough from nine steps per contact on, and with fewer nothing is
-/// exact.
+/// by what its own spring adds to the speed in that time: from nine steps per contact on no end of a free impact is
+/// missed. One that is missed ends as without onset_correction.
 inline constexpr double k_near_steps = 1.25;
 
 /// Steps after the touch in which early_slip() looks.

@@ -81,11 +81,12 @@ struct LinearBlock {
 /// waits for no force. One that is missed acts as one that goes on.
 template <class S, bool Friction, bool Multi>
 TALUS_INLINE typename S::M near_ends(const LinearBlock<S, Friction, Multi>& in, typename S::B delta, typename S::B vn,
-                                     typename S::B predicted) {
+                                     typename S::B mass, typename S::B predicted) {
   const auto since = in.closing * vn, until = in.parting * vn;
   const auto reach = S::select(S::lt(since, until), until, since);
-  // one that begins has no prediction
-  return S::lt(delta, in.a.recall != 0 ? S::select(lacks_prediction<S>(predicted), S::set(1e300), reach) : reach);
+  // one that begins has no prediction; nor have two fixed grains, which need none
+  const auto fresh = S::set(1e300) * mass;
+  return S::lt(delta, in.a.recall != 0 ? S::select(lacks_prediction<S>(predicted), fresh, reach) : reach);
 }
 
 /// Forces of S::W contacts from k on. Ends: of those that have been set aside, else what may begin or end is set aside,
@@ -111,7 +112,7 @@ TALUS_INLINE void linear_contacts(const LinearBlock<S, Friction, Multi>& in, int
   [[maybe_unused]] auto ends = S::lt(delta, zero);
   if constexpr (!Ends) {
     if (in.looks) {
-      ends = near_ends<S>(in, delta, vn, predicted);
+      ends = near_ends<S>(in, delta, vn, mass, predicted);
       if (S::any(ends)) [[unlikely]]
         set_aside<Friction, Multi>(aside, b, k, S::bits(ends), a.recall != 0, first);
     }

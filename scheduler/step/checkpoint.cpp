@@ -122,7 +122,7 @@ void save_energies(const World& w, CheckpointWriter& out) {
 
 void take_energies(World& w, const CheckpointReader& in) {
   const auto saved = in.read_value<SavedEnergies>("energies");
-  std::memcpy(&w.ledger.resumed, &saved, sizeof saved);
+  std::memcpy(static_cast<void*>(&w.ledger.resumed), &saved, sizeof saved);
   if (!w.rows.resized) return;
   const auto sizes = in.read_value<std::array<double, 3>>("energies of sizes");
   w.ledger.resumed.sizes = sizes[0];

@@ -58,7 +58,9 @@ TEST(Expansion, FreeGrainHasTheRadiusOfItsTemperatureAndKeepsMassAndSpin) {
   EXPECT_NEAR(f.r[0], radius_at(T), 1e-6 * k_r);
   EXPECT_GT(f.r[0], 1.04 * k_r);
   EXPECT_NEAR(mass_of(EngineAccess::world(sim).rules, EngineAccess::world(sim).rows, 0), mass, 1e-12 * mass);
-  if (!f.w.empty()) EXPECT_NEAR(f.w[0].y, 3, 1e-9);
+  if (!f.w.empty()) {
+    EXPECT_NEAR(f.w[0].y, 3, 1e-9);
+  }
   const Energies e = sim.energies();
   EXPECT_LT(std::fabs(e.residual), 1e-12 * e.kinetic_translation);
 }

@@ -96,7 +96,9 @@ TEST(PairGaps, AreNeverBelowTheOverlapAndHaveTheBitsOfAnEvaluation) {
     const double overlap = solve_pair(c.i, c.j, memory, count, 10).overlap;
     EXPECT_GE(want[k], overlap - 1e-12 * p.size);
     apart += want[k] < 0;
-    if (k % 2 == 0) EXPECT_GT(want[k], 0);  // they touch
+    if (k % 2 == 0) {  // they touch
+      EXPECT_GT(want[k], 0);
+    }
   }
   EXPECT_GT(apart, n / 10);
   for (const Isa isa : available_isas()) {
