@@ -15,14 +15,16 @@ foreach(unit ${kernel_sources})
     string(APPEND omitted "extern const KernelTable k_table_${name};\nconstinit const KernelTable k_table_${name}{};\n")
   elseif(kind STREQUAL "bodies")
     string(APPEND omitted "extern const PairSolver k_pair_solver_${name};\nconstinit const PairSolver k_pair_solver_${name} = nullptr;\n"
-           "extern const PairGaps k_pair_gaps_${name};\nconstinit const PairGaps k_pair_gaps_${name} = nullptr;\n")
+           "extern const PairGaps k_pair_gaps_${name};\nconstinit const PairGaps k_pair_gaps_${name} = nullptr;\n"
+           "extern const BodyMover k_body_mover_${name};\nconstinit const BodyMover k_body_mover_${name} = nullptr;\n")
   else()
     string(APPEND omitted "extern const GrainSolver k_grain_solver_${name};\nconstinit const GrainSolver k_grain_solver_${name} = nullptr;\n")
   endif()
 endforeach()
 if(omitted)
   file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/generated/omitted.cpp CONTENT
-"#include \"kernels/bodies/pair_batch.hpp\"
+"#include \"kernels/bodies/motion_batch.hpp\"
+#include \"kernels/bodies/pair_batch.hpp\"
 #include \"kernels/conversion/grain_batch.hpp\"
 #include \"kernels/kernel_table.hpp\"
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "scheduler/lists/lists.hpp"
+#include "scheduler/nodes/body_rows.hpp"
 #include "scheduler/state/contacts.hpp"
 
 namespace talus {
@@ -11,5 +12,8 @@ namespace talus {
 /// Adds to the chunk's results, which sphere rows may have begun.
 void move_bodies(const Rules& rules, const Clock& clock, Rows& rows, const Lists& lists, Column<double>& energy,
                  Chunk& c);
+
+/// One body, whatever it does; i: its first row.
+void move_body(const BodyMotion& m, std::int32_t b, Row i);
 
 }  // namespace talus

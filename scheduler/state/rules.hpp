@@ -7,6 +7,7 @@
 
 #include "core/rules/timestep.hpp"
 #include "core/scene/scene.hpp"
+#include "kernels/bodies/motion_batch.hpp"
 #include "kernels/bodies/pair_batch.hpp"
 #include "kernels/kernel_table.hpp"
 #include "scheduler/state/hooks.hpp"
@@ -58,6 +59,7 @@ struct Rules {
   Hooks hooks;
   Features has;
   const KernelTable* kernels = nullptr;
+  BodyMover mover = nullptr;  ///< scenes with bodies only
   std::string isa_why;
   LawRules law;
   StepBounds bounds;

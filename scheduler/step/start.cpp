@@ -49,7 +49,7 @@ void set_features(Rules& rules, bool any_fixed) {
   }
 }
 
-/// Pairs of superquadrics are solved exactly in both precisions.
+/// Bodies move, and pairs of superquadrics are solved, exactly in both precisions.
 std::string_view exact_set(const KernelTable& kernels) {
   const std::string_view name = kernels.name;
   return name.substr(0, name.find(' '));
@@ -96,6 +96,7 @@ Rules rules_of(const Scene& scene, const RunOptions& options, const Insertion& i
                    [](const Event& a, const Event& b) { return a.time < b.time; });
   configure_add_ons(rules);
   rules.stride = rules.has.rotation ? 8 : 4;
+  if (rules.has.bodies) rules.mover = body_mover(exact_set(*rules.kernels));
   set_law(rules);
   rules.size = scene.domain.upper - scene.domain.lower;
   // The stiffness matrix has an eigenvalue of at least (row sum) / (3 m): beyond 12 / dt^2 no step can be stable.

@@ -29,6 +29,7 @@ void grow_discarding(Column<T>& c, std::size_t n) {
 }
 
 struct ShapedLanes;  // scheduler/nodes/shaped_contacts.cpp
+struct BodyBatch;    // scheduler/nodes/body_batch.hpp
 
 /// Per-execution buffers of one chunk between narrow phase and integration; pooled so that they stay in cache.
 struct Scratch {
@@ -43,6 +44,7 @@ struct Scratch {
   Column<std::uint8_t> before;                      ///< touch bits of the last step: where add_ons.cpp carries history
   Column<double> depth;                ///< overlap over the inner radius; -1: of spheres. Superquadrics only
   std::shared_ptr<ShapedLanes> lanes;  ///< superquadrics only
+  std::shared_ptr<BodyBatch> bodies;   ///< scenes with bodies only
 };
 
 /// Pool of scratch buffers. Every thread gets back the one it gave, which lies in its caches; the rest is last in first
