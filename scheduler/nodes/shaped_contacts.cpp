@@ -9,7 +9,7 @@ namespace talus {
 struct ShapedLane {
   int k = 0;             ///< contact of the block
   bool swapped = false;  ///< a is j
-  Surface a, o;
+  const Surface *a = nullptr, *o = nullptr;
   Vec3 d;       ///< x_o - x_a [m]
   Vec3 before;  ///< normal of the last step, from a to o; 0: not known
   Vec3 sum;     ///< of the arms of the last step [m]; 0: it did not touch
@@ -37,7 +37,10 @@ struct ShapedLanes {
   alignas(64) double gap_in[GapColumns::k_in][ShapedBatch::k_width], gap[ShapedBatch::k_width];
   GapLane apart[ShapedBatch::k_width];
   int gaps = 0;
-  std::vector<Pose> poses;  ///< of the rows of the chunk
+  std::vector<Surface> own;  ///< of the rows of the chunk
+  /// Of the rows of other chunks that contacts of the block have; -1: not looked at.
+  Surface outside[k_block];
+  Row outside_row[k_block];
 };
 
 /// What the solver found, in space: the normal from a to o.
@@ -71,7 +74,7 @@ void fill_up(double (&columns)[N][ShapedBatch::k_width], int n) {
 /// As shapes::pair_form().
 void fill_lane(ShapedBatch& batch, int at, double eta) {
   const ShapedLane& q = batch.lane[at];
-  const Surface &a = q.a, &o = q.o;
+  const Surface &a = *q.a, &o = *q.o;
   int column = 0;
   const auto put = [&](double v) { batch.in[column++][at] = v; };
   const auto put3 = [&](Vec3 v) { put(v.x), put(v.y), put(v.z); };
@@ -102,8 +105,8 @@ ShapedContacts::ShapedContacts(const Rules& rules, const Clock& clock, const Row
   Scratch& s = *c.scratch;
   grow(s.depth, static_cast<std::size_t>(c.contacts.end[2]));
   if (s.lanes == nullptr) s.lanes = std::make_shared<ShapedLanes>();
-  s.lanes->poses.clear();
-  for (Row i = c.lo; i < c.hi; ++i) s.lanes->poses.push_back(pose_of(rules, rows, i));
+  s.lanes->own.resize(static_cast<std::size_t>(c.hi - c.lo));
+  for (Row i = c.lo; i < c.hi; ++i) set_surface(rules, rows, i, s.lanes->own[static_cast<std::size_t>(i - c.lo)]);
   for (std::int64_t& n : c.contacts.apart) n = 0;
   for (std::int64_t& n : c.contacts.solved) n = 0;
 }
@@ -116,15 +119,18 @@ void ShapedContacts::judge_depth(std::int64_t slot, Row i, Row j, double overlap
   c_.result.deep_rows[1] = j;
 }
 
-const Pose& ShapedContacts::pose(Row i, Pose& room) const {
-  if (i >= c_.lo && i < c_.hi) return c_.scratch->lanes->poses[static_cast<std::size_t>(i - c_.lo)];
-  return room = pose_of(rules_, rows_, i);
+const Surface& ShapedContacts::surface(int k, Row i) const {
+  ShapedLanes& lanes = *c_.scratch->lanes;
+  if (i >= c_.lo && i < c_.hi) return lanes.own[static_cast<std::size_t>(i - c_.lo)];
+  if (lanes.outside_row[k] != i) set_surface(rules_, rows_, i, lanes.outside[k]);
+  lanes.outside_row[k] = i;
+  return lanes.outside[k];
 }
 
 bool ShapedContacts::between_spheres(Row i, Row j) const {
   const auto sphere = [&](Row row) {
     if (row < c_.lo || row >= c_.hi) return superquadric_of(rules_, rows_, row) == nullptr;
-    return c_.scratch->lanes->poses[static_cast<std::size_t>(row - c_.lo)].shape == nullptr;
+    return c_.scratch->lanes->own[static_cast<std::size_t>(row - c_.lo)].shape == nullptr;
   };
   return sphere(i) && sphere(j);
 }
@@ -144,8 +150,7 @@ void ShapedContacts::guess(int k, std::int64_t at, Row i, Row j, const Block& b,
   const auto put = [&](double v) { lanes.gap_in[column++][lane] = v; };
   const Row rows[2] = {swapped ? j : i, swapped ? i : j};
   for (int side = 0; side < 2; ++side) {
-    Pose room;
-    const Pose& of = pose(rows[side], room);
+    const Surface& of = surface(k, rows[side]);
     const Vec3 m = shapes::to_body(of.turn, n);
     put(of.form.axes2.x), put(of.form.axes2.y), put(of.form.axes2.z), put(of.form.p1), put(of.form.p2);
     put(m.x), put(m.y), put(m.z);
@@ -187,9 +192,8 @@ void ShapedContacts::queue(int k, std::int64_t at, Row i, Row j, const Block& b,
   q.k = k;
   q.swapped = i > j;
   const Row a = q.swapped ? j : i, o = q.swapped ? i : j;
-  Pose room;
-  q.a = surface_of(rules_, rows_, a, pose(a, room));
-  q.o = surface_of(rules_, rows_, o, pose(o, room));
+  q.a = &surface(k, a);
+  q.o = &surface(k, o);
   const double sign = q.swapped ? -1 : 1;
   q.d = -sign * Vec3{b.x[k], b.y[k], b.z[k]};
   q.before = sign * before;
@@ -197,27 +201,34 @@ void ShapedContacts::queue(int k, std::int64_t at, Row i, Row j, const Block& b,
   fill_lane(batch, batch.n++, known ? shapes::k_eta : 1);
 }
 
-ShapedContacts::Answer ShapedContacts::answer(int lane, std::int64_t at, const ShapedBatch& batch) {
+/// What the solver left undone is done by the safe method.
+ShapedContacts::Answer ShapedContacts::safe_answer(const ShapedLane& q, double share) {
+  shapes::PairMemory memory;
+  memory.known = norm2(q.before) > 0;
+  memory.normal = shapes::to_body(q.a->turn, q.before);
+  shapes::PairCount count;
+  const shapes::PairContact c = shapes::solve_pair(q.a->body({}), q.o->body(q.d), memory, count);
+  return {c.normal, c.overlap, c.point + ((0.5 - share) * c.overlap) * c.normal};
+}
+
+/// Inlined: an answer that goes through memory would be read before its stores are done.
+[[gnu::always_inline]] inline ShapedContacts::Answer ShapedContacts::answer(int lane, std::int64_t at,
+                                                                            const ShapedBatch& batch) {
   const ShapedLane& q = batch.lane[lane];
   const auto out = [&](int column) { return batch.out[column][lane]; };
   Answer r;
   r.overlap = out(3);
   // the point parts the overlap as the sizes are to each other, which is where two spheres have theirs
-  const double share = q.a.middle / (q.a.middle + q.o.middle);
-  const bool done = solved(batch, lane), deep = r.overlap > q.a.roundness + q.o.roundness;
+  const double share = q.a->middle / (q.a->middle + q.o->middle);
+  const bool done = solved(batch, lane), deep = r.overlap > q.a->roundness + q.o->roundness;
   c_.contacts.solved[0] += interior(at) ? 2 : 1;
   if (done && !deep) {
-    r.normal = shapes::to_space(q.a.turn, {out(0), out(1), out(2)});
-    r.arm = shapes::to_space(q.a.turn, {out(4), out(5), out(6)}) - (share * r.overlap) * r.normal;
+    r.normal = shapes::to_space(q.a->turn, {out(0), out(1), out(2)});
+    r.arm = shapes::to_space(q.a->turn, {out(4), out(5), out(6)}) - (share * r.overlap) * r.normal;
     return r;
   }
   c_.contacts.solved[1] += interior(at) ? 2 : 1;
-  shapes::PairMemory memory;
-  memory.known = norm2(q.before) > 0;
-  memory.normal = shapes::to_body(q.a.turn, q.before);
-  shapes::PairCount count;
-  const shapes::PairContact c = shapes::solve_pair(q.a.body({}), q.o.body(q.d), memory, count);
-  return {c.normal, c.overlap, c.point + ((0.5 - share) * c.overlap) * c.normal};
+  return safe_answer(q, share);
 }
 
 void ShapedContacts::give_apart(int k, BlockBuffers& buffers) const {  // nothing that the law could stumble over
@@ -245,23 +256,23 @@ void ShapedContacts::give(int lane, std::int64_t k0, const ShapedBatch& batch, B
   }
   if (!touch) return leave(k, at, buffers);
   kind_[k] = Kind::touch;
-  c_.scratch->depth[slot] = r.overlap / fmin2(q.a.inner, q.o.inner);
+  c_.scratch->depth[slot] = r.overlap / fmin2(q.a->inner, q.o->inner);
   const Row i = c_.scratch->ci[slot], j = c_.scratch->cj[slot];
-  judge_depth(at, i, j, r.overlap, fmin2(q.a.inner, q.o.inner));
+  judge_depth(at, i, j, r.overlap, fmin2(q.a->inner, q.o->inner));
   Vec3 mid_a = arm_a, mid_o = arm_o, c = n;
   if (norm2(q.sum) > 0) {
-    const Vec3 d = q.d - dt * (q.o.v - q.a.v);
+    const Vec3 d = q.d - dt * (q.o->v - q.a->v);
     mid_a = 0.5 * (arm_a + 0.5 * (q.sum + d));
     mid_o = 0.5 * (arm_o + 0.5 * (q.sum - d));
     c = n + q.before;
     c = (1 / norm(c)) * c;
   }
-  const Vec3 v = (q.a.v + cross(q.a.w, mid_a)) - (q.o.v + cross(q.o.w, mid_o));
+  const Vec3 v = (q.a->v + cross(q.a->w, mid_a)) - (q.o->v + cross(q.o->w, mid_o));
   const double along = dot(v, c);
   Vec3 t = v - along * c;
   t = t - dot(t, n) * n;
   const Vec3 relative = sign * (along * n + t), normal = -sign * n;
-  const double answer_a = answer_of(q.a, arm_a, n), answer_o = answer_of(q.o, arm_o, n), both = answer_a + answer_o,
+  const double answer_a = answer_of(*q.a, arm_a, n), answer_o = answer_of(*q.o, arm_o, n), both = answer_a + answer_o,
                ms = both > 0 ? both : 1;
   for (int m = 0; m < 3; ++m) {
     buffers.x[m][k] = k_far_away * normal[m];
@@ -274,12 +285,12 @@ void ShapedContacts::give(int lane, std::int64_t k0, const ShapedBatch& batch, B
   const double g[4] = {0, k_far_inverse, 1 / ms, 0};
   for (int m = 0; m < 4; ++m) buffers.g[m][k] = g[m];
   if (rules_.has.reff) {
-    const double ra = hertz_radius_of(q.a, n), ro = hertz_radius_of(q.o, -n);
+    const double ra = hertz_radius_of(*q.a, n), ro = hertz_radius_of(*q.o, -n);
     buffers.reff[k] = (ra * ro) / (ra + ro);
   }
   arm_i_[k] = q.swapped ? arm_o : arm_a;
   arm_j_[k] = q.swapped ? arm_a : arm_o;
-  const double weight_a = weight_of(q.a, answer_a), weight_o = weight_of(q.o, answer_o);
+  const double weight_a = weight_of(*q.a, answer_a), weight_o = weight_of(*q.o, answer_o);
   weight_i_[k] = q.swapped ? weight_o : weight_a;
   weight_j_[k] = q.swapped ? weight_a : weight_o;
 }
@@ -292,6 +303,7 @@ void ShapedContacts::prepare(std::int64_t k0, Block& b, BlockBuffers& buffers) {
     const auto at = static_cast<std::size_t>(k0 + k);
     const Row i = c_.scratch->ci[at], j = c_.scratch->cj[at];
     kind_[k] = Kind::spheres;
+    lanes.outside_row[k] = -1;
     c_.scratch->depth[at] = -1;
     if (!between_spheres(i, j)) {
       kind_[k] = Kind::touch;
@@ -336,12 +348,12 @@ void ShapedContacts::solve_hard(std::int64_t k0, ShapedBatch& hard, BlockBuffers
 }
 
 void ShapedContacts::settle(const Block& b) const {
-  for (int k = 0; k < b.n; ++k) {
-    if (touches(k)) continue;
-    for (int q = 0; q < 8; ++q) b.r[q][k] = 0;
-    for (int q = 0; q < rules_.has.law_columns; ++q) b.h[q][k] = 0;
-    for (int q = 0; q < 3; ++q) b.e[q][k] = 0;
-  }
+  const auto clear = [&](double* column) {  // without branches: about every other pair is apart
+    for (int k = 0; k < b.n; ++k) column[k] = touches(k) ? column[k] : 0.0;
+  };
+  for (int q = 0; q < 8; ++q) clear(b.r[q]);
+  for (int q = 0; q < rules_.has.law_columns; ++q) clear(b.h[q]);
+  for (int q = 0; q < 3; ++q) clear(b.e[q]);
 }
 
 void ShapedContacts::scatter(const ScatterArgs& to, const Block& b) const {

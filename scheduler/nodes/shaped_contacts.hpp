@@ -22,6 +22,7 @@ namespace talus {
 inline constexpr unsigned k_shaped_flips = 0b000111;
 
 struct ShapedBatch;
+struct ShapedLane;
 struct ShapedLanes;
 
 class ShapedContacts {
@@ -51,10 +52,11 @@ class ShapedContacts {
   void solve_quick(std::int64_t k0, ShapedLanes& lanes, BlockBuffers& buffers);
   void solve_hard(std::int64_t k0, ShapedBatch& hard, BlockBuffers& buffers);
   void leave(int k, std::int64_t at, BlockBuffers& buffers);
-  /// Of a row of the chunk from the scratch, of another in `room`.
-  const Pose& pose(Row i, Pose& room) const;
+  /// Of a row of contact k: of the chunk's from the scratch, of another as found once per contact.
+  const Surface& surface(int k, Row i) const;
   void queue(int k, std::int64_t at, Row i, Row j, const Block& b, ShapedLanes& lanes) const;
   bool between_spheres(Row i, Row j) const;
+  static Answer safe_answer(const ShapedLane& q, double share);
   Answer answer(int lane, std::int64_t at, const ShapedBatch& batch);
   void give(int lane, std::int64_t k0, const ShapedBatch& batch, BlockBuffers& buffers);
   void give_apart(int k, BlockBuffers& buffers) const;

@@ -10,44 +10,42 @@ const BodyShape* superquadric_of(const Rules& rules, const Rows& rows, Row i) {
   return shape.quadric && !shape.quadric->ball ? &shape : nullptr;
 }
 
-Pose pose_of(const Rules& rules, const Rows& rows, Row i) {
-  Pose pose;
-  const BodyShape* shape = pose.shape = superquadric_of(rules, rows, i);
-  if (shape == nullptr) {
-    const double r = rows.p[4L * i + 3];
-    pose.form = {{r * r, r * r, r * r}, 2, 2};
-    return pose;
+Surface surface_of(const Rules& rules, const Rows& rows, Row i) {
+  Surface s;
+  set_surface(rules, rows, i, s);
+  return s;
+}
+
+void set_surface(const Rules& rules, const Rows& rows, Row i, Surface& s) {
+  const double *p = rows.p.data() + 4L * i, *v = rows.v.data() + static_cast<long>(rows.stride) * i;
+  const double r = p[3], per_radius = 1 / r;
+  s.v = {v[0], v[1], v[2]};
+  s.w = {per_radius * v[4], per_radius * v[5], per_radius * v[6]};
+  s.inverse_mass = v[7];
+  s.shape = superquadric_of(rules, rows, i);
+  if (s.shape == nullptr) {
+    s.form = {{r * r, r * r, r * r}, 2, 2};
+    s.turn = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    s.size = s.roundness = s.inner = s.middle = r;
+    s.quadric = nullptr;
+    s.scale = 1;
+    s.inverse_inertia = {};
+    return;
   }
   const std::int32_t b = rows.body_of(i);
   const double scale = rows.bodies.scale(b), s2 = scale * scale;
-  pose.form = shape->quadric->form;
-  pose.form.axes2 = {s2 * pose.form.axes2.x, s2 * pose.form.axes2.y, s2 * pose.form.axes2.z};
-  pose.turn = shapes::rotation(state_of(rows.bodies, b).turn);
-  return pose;
-}
-
-Surface surface_of(const Rules& rules, const Rows& rows, Row i, const Pose& pose) {
-  const double *p = rows.p.data() + 4L * i, *v = rows.v.data() + static_cast<long>(rows.stride) * i;
-  Surface s;
-  s.v = {v[0], v[1], v[2]};
-  s.w = (1 / p[3]) * Vec3{v[4], v[5], v[6]};
-  s.inverse_mass = v[7];
-  s.form = pose.form;
-  s.turn = pose.turn;
-  const BodyShape* shape = pose.shape;
-  if (shape == nullptr) {
-    s.size = s.roundness = s.inner = s.middle = p[3];
-    return s;
-  }
-  const std::int32_t b = rows.body_of(i);
-  s.quadric = &*shape->quadric;
-  s.scale = rows.bodies.scale(b);
-  s.size = s.scale * s.quadric->size;
-  s.roundness = s.scale * s.quadric->roundness;
-  s.inner = s.scale * shape->smallest;
-  s.middle = s.scale * shape->equal_radius;
-  if (s.inverse_mass > 0) s.inverse_inertia = (1 / inertia_scale(rows.bodies, b)) * shape->rotor.inverse;
-  return s;
+  const double* q = rows.bodies.turn.data() + 4L * b;
+  s.quadric = &*s.shape->quadric;
+  const auto& form = s.quadric->form;
+  s.form = {{s2 * form.axes2.x, s2 * form.axes2.y, s2 * form.axes2.z}, form.p1, form.p2};
+  s.turn = shapes::rotation({q[0], q[1], q[2], q[3]});
+  s.scale = scale;
+  s.size = scale * s.quadric->size;
+  s.roundness = scale * s.quadric->roundness;
+  s.inner = scale * s.shape->smallest;
+  s.middle = scale * s.shape->equal_radius;
+  s.inverse_inertia = {};
+  if (s.inverse_mass > 0) s.inverse_inertia = (1 / inertia_scale(rows.bodies, b)) * s.shape->rotor.inverse;
 }
 
 double answer_of(const Surface& s, Vec3 arm, Vec3 n) {

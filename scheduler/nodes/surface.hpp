@@ -9,10 +9,11 @@
 namespace talus {
 
 struct Surface {
+  const BodyShape* shape = nullptr;  ///< of a superquadric that is no ball; null: a sphere
   shapes::DualForm<shapes::Plain> form;
   double size = 0, roundness = 0;         ///< largest semi-axis, smallest radius of curvature [m]
   double inner = 0, middle = 0;           ///< radius of the sphere within, and of that of equal volume [m]
-  const QuadricShape* quadric = nullptr;  ///< at scale 1; null: a sphere
+  const QuadricShape* quadric = nullptr;  ///< of the shape, at scale 1
   double scale = 1;
   shapes::Rotation turn{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   Vec3 v, w;                ///< [m/s], [rad/s] at n-1/2
@@ -22,20 +23,11 @@ struct Surface {
   shapes::Body body(Vec3 centre) const { return {form, size, roundness, centre, turn}; }
 };
 
-/// What the overlap along a given direction needs of a row.
-struct Pose {
-  const BodyShape* shape = nullptr;  ///< superquadric_of()
-  shapes::DualForm<shapes::Plain> form;
-  shapes::Rotation turn{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-};
-Pose pose_of(const Rules& rules, const Rows& rows, Row i);
-
 /// The shape of the row's body where that is a superquadric and no ball, else null.
 const BodyShape* superquadric_of(const Rules& rules, const Rows& rows, Row i);
-Surface surface_of(const Rules& rules, const Rows& rows, Row i, const Pose& pose);
-inline Surface surface_of(const Rules& rules, const Rows& rows, Row i) {
-  return surface_of(rules, rows, i, pose_of(rules, rows, i));
-}
+Surface surface_of(const Rules& rules, const Rows& rows, Row i);
+/// The same in place: copies of what was just written in narrow stores would wait for them.
+void set_surface(const Rules& rules, const Rows& rows, Row i, Surface& s);
 
 /// What a force along the unit vector n at `arm` from the centre sets in motion there, 1/m + (r x n) I^-1 (r x n)
 /// [1/kg].
