@@ -44,7 +44,7 @@ if [ -n "${TALUS_ISAS:-}" ]; then options+=("-DTALUS_ISAS=$TALUS_ISAS"); fi
 if command -v ccache >/dev/null; then options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
 if [ "$lane" = asan ]; then
   options+=(-DTALUS_SANITIZE=address,undefined)
-  target=all
+  target=${PROGRAMS:-all}
 else
   build_tbb
   options+=(-DTALUS_SANITIZE=thread "-DTBB_DIR=$folder/tbb/lib/cmake/TBB")
