@@ -5,11 +5,12 @@
 #   bash tests/sanitize.sh tsan    TSan, test_determinism, with a oneTBB that is built with TSan too (Debian's own gives
 #                                  false reports): its source comes from Debian into the build folder. No suppressions.
 # Each test program runs once as a whole: by the single test most of the time would go into starting programs. Further
-# arguments go to the test programs. JOBS=N: programs and compilers at a time (default: all cores).
+# arguments go to the test programs. JOBS=N: programs and compilers at a time (default: all cores). TALUS_ISAS="scalar;avx512":
+# kernels of these instruction sets alone (halves the build). PROGRAMS="test_cli test_io": these programs alone.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 lane=${1:-}
-[ "$lane" = asan ] || [ "$lane" = tsan ] || { sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 2; }
+[ "$lane" = asan ] || [ "$lane" = tsan ] || { sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 2; }
 shift
 folder=$PWD/build/sanitize/$lane
 jobs=${JOBS:-$(nproc)}
@@ -39,10 +40,11 @@ build_tbb() {
 # A build type of its own: CMakeLists.txt sets the flags of Release whatever the command line says, and at -O3 the
 # compilers take hours. Without inlining the hand-written vector code would be too slow for the tests.
 options=(-DCMAKE_BUILD_TYPE=Sanitized "-DCMAKE_CXX_FLAGS_SANITIZED=-O1 -finline-functions -g1" -DTALUS_PERF=OFF)
+if [ -n "${TALUS_ISAS:-}" ]; then options+=("-DTALUS_ISAS=$TALUS_ISAS"); fi
 if command -v ccache >/dev/null; then options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
 if [ "$lane" = asan ]; then
   options+=(-DTALUS_SANITIZE=address,undefined)
-  target=all
+  target=${PROGRAMS:-all}
 else
   build_tbb
   options+=(-DTALUS_SANITIZE=thread "-DTBB_DIR=$folder/tbb/lib/cmake/TBB")
@@ -59,7 +61,10 @@ export ASAN_OPTIONS=$common/asan:detect_stack_use_after_return=1:strict_string_c
 export UBSAN_OPTIONS=$common/ubsan:print_stacktrace=1
 export TSAN_OPTIONS=$common/tsan:second_deadlock_stack=1
 begin=$SECONDS
-if [ "$lane" = asan ]; then
+if [ -n "${PROGRAMS:-}" ]; then
+  programs=()
+  for name in $PROGRAMS; do programs+=("$folder/talus/tests/$name"); done
+elif [ "$lane" = asan ]; then
   mapfile -t programs < <(find "$folder/talus/tests" -maxdepth 1 -type f -executable -name 'test_*')
 else
   programs=("$folder/talus/tests/test_determinism")
