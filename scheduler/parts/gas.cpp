@@ -139,6 +139,8 @@ class GasPart final : public Part, public GasCells {
                                {"gas.mass_residual", "kg", b.mass_residual()},
                                {"gas.element_residual", "kg", element},
                                {"gas.enthalpy_residual", "J", b.enthalpy_residual()},
+                               {"gas.pressure", "Pa", gas_.pressure()},
+                               {"gas.pressure_work", "J", b.passed.pressure_work},
                                {"gas.pressure_drop", "Pa", started ? gas_.pressure_drop(axis()) : 0},
                                {"gas.temperature_min", "K", started ? low : scene_.gas.temperature},
                                {"gas.temperature_max", "K", started ? high : scene_.gas.temperature},
