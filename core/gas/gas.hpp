@@ -56,6 +56,7 @@ class Gas {
   double pressure_drop(int axis) const noexcept;
   /// Of the whole [Pa]: transport.hpp; where sides hold it, the mean over the voids.
   double pressure() const noexcept;
+  bool sealed() const noexcept { return vessel_.sealed; }
 
   /// All that later steps depend on. load: Error{io} where it does not fit.
   std::vector<std::uint8_t> save() const;

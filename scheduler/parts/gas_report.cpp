@@ -34,6 +34,40 @@ Wettest wettest(const gas::Gas& gas, const gas::FromGrains& from) {
   return w;
 }
 
+/// Temperatures at which the properties of the gas are not known.
+void add_temperature(const gas::Gas& gas, std::vector<PartConcern>& all) {
+  double worst = gas::k_hottest;
+  int cell = -1, cells = 0;
+  const std::vector<double>& t = gas.fields().temperature;
+  for (std::size_t c = 0; c < t.size(); ++c) {
+    cells += t[c] > gas::k_hottest || t[c] < gas::k_coldest;
+    if (t[c] > worst || (t[c] < gas::k_coldest && cell < 0)) worst = t[c], cell = static_cast<int>(c);
+  }
+  if (cell < 0) return;
+  const Vec3 x = gas.grid().middle(cell);
+  all.push_back(
+      {"temperature",
+       fmt::format("the gas at ({:.4g}, {:.4g}, {:.4g}) m has {:.4g} K: its properties are known from {} to {} "
+                   "K, heat capacities of the ends count beyond, and what is hot does not dissociate",
+                   x.x, x.y, x.z, worst, gas::k_coldest, gas::k_hottest),
+       worst, gas::k_hottest, cells});
+}
+
+/// A pressure that wet grains do not know of, or that inlets without an outlet have made.
+void add_pressure(const gas::Gas& gas, const Scene& scene, std::vector<PartConcern>& all) {
+  const bool wet = scene.conversion.on, blown = gas.sealed() && !scene.gas.inlets.empty();
+  const double change = __builtin_fabs(gas.pressure() / scene.gas.pressure - 1);
+  if (!(wet || blown) || !(change > k_pressure_change)) return;
+  const char* why = wet ? "grains go on to boil and to breathe at the temperature and pressure of their files"
+                        : "inlets give it a flow alone";
+  all.push_back(
+      {"pressure",
+       fmt::format("the gas has come to {:.4g} Pa, from {:.4g} Pa: {}; a side that is open ([[gas.inlet]] kind "
+                   "= \"pressure\") holds it",
+                   gas.pressure(), scene.gas.pressure, why),
+       change, k_pressure_change, 1});
+}
+
 }  // namespace
 
 std::vector<PartValue> gas_values(const gas::Gas& gas, const Scene& scene, int axis, Vec3 force) {
@@ -79,15 +113,8 @@ std::vector<PartConcern> gas_concerns(const gas::Gas& gas, const Scene& scene, c
                      w.grains > 0 ? fmt::format(", grains of {:.4g} K", w.grains) : std::string()),
          w.ratio, k_saturated, w.cells});
   }
-  const double change = gas.pressure() / scene.gas.pressure - 1;
-  if (scene.conversion.on && __builtin_fabs(change) > k_pressure_change)
-    all.push_back(
-        {"pressure",
-         fmt::format("the gas has come to {:.4g} Pa, from {:.4g} Pa: grains go on to boil and to breathe at the "
-                     "temperature and pressure of their files; a side that is open ([[gas.inlet]] kind = "
-                     "\"pressure\") holds it",
-                     gas.pressure(), scene.gas.pressure),
-         __builtin_fabs(change), k_pressure_change, 1});
+  add_temperature(gas, all);
+  add_pressure(gas, scene, all);
   return all;
 }
 

@@ -97,5 +97,23 @@ TEST(SealedBox, PressureThatWetGrainsDoNotKnowOfIsSaid) {
   }
 }
 
+TEST(SealedBox, PressureThatInletsRaiseAndHeatThatNobodyKnowsAreSaid) {
+  const std::string blown = "[[gas.inlet]]\nside = \"bottom\"\nkind = \"flow\"\nvelocity = 0.1\n";
+  for (const bool open : {false, true}) {
+    const std::string more = blown + (open ? "[[gas.inlet]]\nside = \"top\"\nkind = \"pressure\"\n" : "");
+    Simulation sim(parse_scene(box(0.01, 300, "temperature = 300", more), "blown", "/"), RunOptions{});
+    sim.run(20);
+    EXPECT_EQ(said(sim, "gas pressure", "inlets give it a flow alone"), open ? 0 : 1);
+    EXPECT_EQ(value_of(sim, "gas.pressure") > 1.5e5, !open);
+  }
+  for (const double oxygen : {0.0, 0.4}) {
+    const std::string gas = fmt::format(
+        "temperature = 2000\ncombustion = true\nfractions = [{}, 0, 0, 0, 0.1, 0, 0, {}]", oxygen, 0.9 - oxygen);
+    Simulation sim(parse_scene(box(0.001, 2000, gas), "flame", "/"), RunOptions{});
+    sim.run(5);
+    EXPECT_EQ(said(sim, "gas temperature", "does not dissociate"), oxygen > 0 ? 1 : 0);
+  }
+}
+
 }  // namespace
 }  // namespace talus::physics
