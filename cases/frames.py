@@ -13,8 +13,8 @@ TYPES = {"Float64": "<f8", "Int64": "<i8", "Int32": "<i4", "UInt8": "u1"}
 MARK, END = b'<AppendedData encoding="raw">\n_', b"\n</AppendedData>\n</VTKFile>\n"
 
 
-def read_vtp(path):
-    """(points, {name: column}, triangles) of one .vtp file of Talus."""
+def appended(path):
+    """(root element, function that gives an array of it as numbers) of one VTK file of Talus."""
     with open(path, "rb") as f:
         data = f.read()
     at = data.find(MARK)
@@ -31,6 +31,21 @@ def read_vtp(path):
         width = int(element.get("NumberOfComponents"))
         return array.reshape(-1, width) if width > 1 else array
 
+    return root, values
+
+
+def read_vti(path):
+    """(origin, spacing, cells per axis, {name: column}) of one .vti file of Talus; cells run along x first."""
+    root, values = appended(path)
+    image = root.find("ImageData")
+    numbers = [np.array(image.get(k).split(), float) for k in ("Origin", "Spacing", "WholeExtent")]
+    columns = {e.get("Name"): values(e) for e in image.find("Piece/CellData")}
+    return numbers[0], numbers[1], numbers[2][1::2].astype(int), columns
+
+
+def read_vtp(path):
+    """(points, {name: column}, triangles) of one .vtp file of Talus."""
+    root, values = appended(path)
     piece = root.find("PolyData/Piece")
     points = values(piece.find("Points/DataArray"))
     columns = {e.get("Name"): values(e) for e in piece.find("PointData")}

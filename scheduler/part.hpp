@@ -67,6 +67,13 @@ struct RowSizes {
   double *radius, *mass;  ///< [m], [kg]; a radius of 0: the row leaves
 };
 
+/// What a part's own step has found that the user should know.
+struct PartConcern {
+  std::string kind, text;  ///< a kind is said once, its count goes on; text: where, how much, what it means
+  double value = 0, level = 0;
+  std::int64_t count = 1;
+};
+
 class Part {
  public:
   Part() = default;
@@ -97,6 +104,8 @@ class Part {
   virtual double of_contact(const PartView&, Row /*i*/, Row /*j*/, int /*wall*/, double /*overlap*/) const { return 0; }
   /// Why it, or something of it, never acts in the run; empty where it does. Said as a warning.
   virtual std::string idle(const Rules&) const { return {}; }
+  /// Of the step that ends; given once. Said as warnings.
+  virtual std::vector<PartConcern> concerns() { return {}; }
   /// Lines of `talus check`.
   virtual std::vector<std::string> advice(const PartView&) const { return {}; }
   /// Work that its forces have done on the grains since the start [J]; counted like that of walls. Only with energies.

@@ -43,6 +43,10 @@ LU_CHANGES = [
     ("no shrinkage by pyrolysis", (("devolatilisation", 0),)),
     ("heats at 298 K", (("porosity!", "reference_temperature = 298.15"),)),
     ("moist conductivity by Lu's rule without 1.75", (("wet", "{ polynomial = [0.268, 1.265e-3], origin = 273.15, range = [273, 380] }"),)),
+    ("Wakao's film, as the layer model whose data these are", (("velocity!", 'law = "wakao"'),)),
+    ("Wakao's film, Arrhenius drying", (("velocity!", 'law = "wakao"'), ("law", '"arrhenius"'))),
+    ("Wakao's film, density 967", (("velocity!", 'law = "wakao"'), ("density", "967"))),
+    ("Wakao's film, density 967, char burns to CO2 alone", (("velocity!", 'law = "wakao"'), ("density", "967"), ("E!", "ratio_A = 0"))),
 ] + [(f"scheme {s}", (("scheme", f'"{s}"'), ("initial", None))) for s in SCHEMES]
 
 

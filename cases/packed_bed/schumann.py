@@ -5,7 +5,7 @@
   talus run cases/packed_bed/schumann.toml --out out/schumann
   python3 cases/packed_bed/schumann.py out/schumann      # errors, schumann.svg in the folder
 
-Schumann (1929): dT_f/dY = -(T_f - T_s), dT_s/dZ = T_f - T_s, solved by T_s = 1 - J(Z, Y); Y = a h x / (G c_f) and
+Schumann (1929): dT_f/dY = -(T_f - T_s), dT_s/dZ = T_f - T_s, solved by T_f = J(Y, Z), T_s = 1 - J(Z, Y); Y = a h x / (G c_f) and
 Z = a h t / ((1 - e) rho_s c_s). Properties of air as in core/gas. Needs python3-numpy; for the picture python3-matplotlib.
 """
 import argparse
@@ -18,7 +18,7 @@ sys.dont_write_bytecode = True
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.dirname(HERE))
 import case_files  # noqa: E402
-from frames import whole_frames  # noqa: E402
+from frames import PvdFrames, read_vti, whole_frames  # noqa: E402
 
 PITCH, DIAMETER, ACROSS, HIGH = 0.01, 0.0098, 3, 40  # [m], [m], grains
 VELOCITY, HOT, COLD, PRESSURE = 3.0, 305.0, 300.0, 101325.0
@@ -46,7 +46,7 @@ def numbers():
 
 
 def solid(Y, Z, n=4000):
-    """1 - J(Z, Y)."""
+    """1 - J(Z, Y), of the grains; that of the gas is J(Y, Z) = 1 - solid(Z, Y)."""
     y = Z * (np.arange(n) + 0.5) / n
     return float(np.sum(np.exp(-Y - y) * np.i0(2 * np.sqrt(Y * y))) * Z / n)
 
@@ -62,7 +62,7 @@ def main():
     if not args.folder:
         return 0 if args.make else parser.error("a folder, or --make")
     per_length, per_time = numbers()
-    curves = []
+    curves, gases = [], gas_temperatures(args.folder)
     for t, x, columns in whole_frames(args.folder):
         if not t > 0:
             continue
@@ -70,23 +70,38 @@ def main():
         ours = np.array([columns["temperature"][np.abs(x[:, 2] - h) < 1e-5].mean() for h in z])
         ours = (ours - COLD) / (HOT - COLD)
         theirs = np.array([solid(per_length * h, per_time * t) for h in z])
-        curves.append((t, z, ours, theirs))
-        print(f"t = {t:4.0f} s: largest error of the grains {np.abs(ours - theirs).max():.4f} of the step")
+        height, gas = gases[t]
+        gas = (gas - COLD) / (HOT - COLD)
+        expected = np.array([1 - solid(per_time * t, per_length * h) for h in height])
+        curves.append((t, z, ours, theirs, height, gas, expected))
+        print(f"t = {t:4.0f} s: largest error of the grains {np.abs(ours - theirs).max():.4f}, of the gas "
+              f"{np.abs(gas - expected).max():.4f} of the step")
     if not args.no_picture:
         picture(os.path.join(args.folder, "schumann.svg"), curves)
     return 0
+
+
+def gas_temperatures(folder):
+    """{time: (heights of the cells, temperatures of the gas)}."""
+    frames, found = PvdFrames(os.path.join(folder, "gas.pvd")), {}
+    for t, (_, path) in zip(frames.times, frames.list):
+        origin, spacing, cells, columns = read_vti(path)
+        found[t] = origin[2] + spacing[2] * (np.arange(cells[2]) + 0.5), columns["temperature"].reshape(cells[2], -1).mean(1)
+    return found
 
 
 def picture(path, curves):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    fig, axis = plt.subplots(figsize=(7, 4))
-    for t, z, ours, theirs in curves:
-        line, = axis.plot(z, theirs, label=f"{t:.0f} s")
-        axis.plot(z, ours, "o", ms=3, color=line.get_color())
-    axis.set(xlabel="height [m]", ylabel="(T - 300 K) / 5 K of the grains", title="lines: Schumann (1929), dots: Talus")
-    axis.legend()
+    fig, axes = plt.subplots(1, 2, figsize=(11, 4), sharey=True)
+    for t, z, ours, theirs, height, gas, expected in curves:
+        for axis, at, dots, curve in zip(axes, (z, height), (ours, gas), (theirs, expected)):
+            line, = axis.plot(at, curve, label=f"{t:.0f} s")
+            axis.plot(at, dots, "o", ms=3, color=line.get_color())
+    for axis, what in zip(axes, ("grains", "gas")):
+        axis.set(xlabel="height [m]", ylabel=f"(T - 300 K) / 5 K of the {what}", title="lines: Schumann (1929), dots: Talus")
+    axes[0].legend()
     fig.savefig(path, bbox_inches="tight")
 
 

@@ -56,6 +56,10 @@ class Grain {
   void advance(V dt, const Surroundings<V>& before, const Surroundings<V>& after, const GasAround<V>& gas) {
     step_.advance(state, dt, before, after, gas);
   }
+  void advance_by(Method method, V dt, const Surroundings<V>& before, const Surroundings<V>& after,
+                  const GasAround<V>& gas) {
+    step_.advance(state, dt, before, after, gas, method);
+  }
   V outflow() const { return step_.outflow(); }
   const Totals<V>& at_start() const { return start_; }
   const Matter& matter() const { return matter_; }

@@ -43,6 +43,50 @@ void check_state(const Grain<double>& g) {
   }
 }
 
+constexpr double k_no_heat = 1e-9;  // share of what comes in that reactions may give without being heard
+
+/// Temperatures that a step may not leave where nothing but its surroundings heats or cools it [K].
+struct Reach {
+  double bottom, top;
+  Reach(const Grain<double>& g, const Surroundings<double>& before, const Surroundings<double>& after)
+      : bottom(g.state.surface), top(g.state.surface) {
+    for (const double T : g.state.temperature) add(T);
+    for (const auto* s : {&before, &after}) {
+      if (s->given_surface) add(s->surface_temperature);
+      if (s->given_surface) continue;
+      if (s->film > 0) add(s->gas_temperature);
+      if (s->emissivity > 0) add(s->wall_temperature);
+      if (s->contact_conductance > 0) add(s->contact_temperature);
+      if (s->flux > 0) top = 1e300;
+      if (s->flux < 0) bottom = 0;
+    }
+  }
+  void add(double T) { bottom = std::fmin(bottom, T), top = std::fmax(top, T); }
+  bool holds(double T) const { return T < top + 1e-6 && T > bottom - 1e-6; }
+  bool holds(const Grain<double>& g) const {
+    for (const double T : g.state.temperature)
+      if (!holds(T)) return false;
+    return holds(g.state.surface);
+  }
+};
+
+/// TR-BDF2 may overshoot in a step that is long against what changes in it; such a step is made anew by backward Euler,
+/// which does not.
+void advance(Grain<double>& g, const GrainJob& job, const Surroundings<double>& before,
+             const Surroundings<double>& after, const GasAround<double>& gas) {
+  if (job.options.method == Method::euler) return g.advance(job.step, before, after, gas);
+  Reach reach(g, before, after);
+  const GrainState<double> kept = g.state;
+  g.advance(job.step, before, after, gas);
+  const double released = g.state.heat_of_reaction - kept.heat_of_reaction;
+  const bool reacts = !job.matter.reactions.empty() || !job.matter.char_reactions.empty();
+  if (reacts && std::fabs(released) > k_no_heat * std::fabs(g.state.heat_in - kept.heat_in)) return;
+  if (released < 0) reach.bottom = 0;  // dries
+  if (reach.holds(g)) return;
+  g.state = kept;
+  g.advance_by(Method::euler, job.step, before, after, gas);
+}
+
 }  // namespace
 
 std::string grain_table(const GrainJob& job) {
@@ -56,7 +100,7 @@ std::string grain_table(const GrainJob& job) {
     const double t = static_cast<double>(n) * job.step;
     const auto gas = job.around.gas_at(t, g.state.shells.radius(), g.state.surface);
     before = around(t - job.step);
-    g.advance(job.step, before, around(t), gas);
+    advance(g, job, before, around(t), gas);
     check_state(g);
     if (n % job.output_steps == 0 || n == job.steps) text += row_of(g);
   }

@@ -37,7 +37,11 @@ class GrainStep {
   void start(GrainState<V>& g, const Surroundings<V>& s);
   /// Advances by dt [s]; `before` and `after` are the surroundings at both ends.
   void advance(GrainState<V>& g, V dt, const Surroundings<V>& before, const Surroundings<V>& after,
-               const GasAround<V>& gas);
+               const GasAround<V>& gas) {
+    advance(g, dt, before, after, gas, options_.method);
+  }
+  void advance(GrainState<V>& g, V dt, const Surroundings<V>& before, const Surroundings<V>& after,
+               const GasAround<V>& gas, Method method);
   /// Mass that leaves the grain [kg/s], mean of the last step.
   V outflow() const { return outflow_; }
 

@@ -79,7 +79,7 @@ void GrainStep<V>::conductances(const GrainState<V>& g, const Surroundings<V>& s
 
 template <class V>
 void GrainStep<V>::advance(GrainState<V>& g, V dt, const Surroundings<V>& before, const Surroundings<V>& after,
-                           const GasAround<V>& gas) {
+                           const GasAround<V>& gas, Method method) {
   shells_.shape = g.shells.shape;
   shells_.factor = g.shells.factor;
   surface_T_ = g.surface;
@@ -88,7 +88,7 @@ void GrainStep<V>::advance(GrainState<V>& g, V dt, const Surroundings<V>& before
     for (const V& x : g.released) sum = sum + x;
     return sum;
   }();
-  if (options_.method == Method::euler) {
+  if (method == Method::euler) {
     for (V& f : face0_) f = V(0);
     for (V& f : faceg_) f = V(0);
     const std::vector<V> rate0 = g.rate;

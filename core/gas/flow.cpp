@@ -293,7 +293,8 @@ void FlowSolver::solve(const FlowInput& in, Flow& flow) {
     for (int c = 0; c < m.grid.cells(); ++c) {
       const double p = m.x[c] + in.reference;
       if (!(p > 0))
-        throw Error(ErrorCode::physics, "the pressure of the gas falls to zero", "gas", "less flow or a coarser bed");
+        throw Error(ErrorCode::physics, "the pressure of the gas falls to zero", "gas",
+                    "less flow, or a coarser bed; where no inlet has kind = \"pressure\" no more may leave than comes");
       flow.pressure[static_cast<std::size_t>(c)] = p;
     }
     flow.change = Impl::change_of(before, flow);

@@ -37,6 +37,7 @@ void add(Passed& to, const Passed& p) {
   to.enthalpy_out += p.enthalpy_out;
   to.enthalpy_grains += p.enthalpy_grains;
   to.heat_grains += p.heat_grains;
+  to.pressure_work += p.pressure_work;
 }
 
 }  // namespace
@@ -46,7 +47,7 @@ double Balance::mass_residual() const noexcept {
 }
 double Balance::enthalpy_residual() const noexcept {
   return ((stored_enthalpy - start_enthalpy) - passed.enthalpy_in) + passed.enthalpy_out -
-         (passed.enthalpy_grains + passed.heat_grains);
+         (passed.enthalpy_grains + passed.heat_grains) - passed.pressure_work;
 }
 double Balance::element_residual(int element) const noexcept {
   double r = 0;
@@ -66,6 +67,9 @@ Gas::Gas(const GasSettings& settings, std::array<bool, 3> periodic, Vec3 gravity
       solver_(grid_),
       openings_(openings_of(grid_, settings)) {
   fields_.resize(grid_.cells());
+  vessel_ = {std::none_of(openings_.begin(), openings_.end(),
+                          [](const Opening& o) { return o.kind == Opening::Kind::pressure; }),
+             settings_.pressure};
 }
 
 void Gas::set_porosity(const FromGrains& grains) {
@@ -96,6 +100,7 @@ void Gas::start(const FromGrains& grains) {
     add(balance_.start, content_.mass[c]);
     balance_.start_enthalpy += content_.enthalpy[c];
   }
+  vessel_.pressure = settings_.pressure;
   balance_.stored = balance_.start;
   balance_.stored_enthalpy = balance_.start_enthalpy;
   flow_ = {};
@@ -108,6 +113,17 @@ void Gas::start(const FromGrains& grains) {
   flow_.velocity.assign(n, Vec3{});
   flow_.gradient.assign(n, Vec3{});
   set_fields();
+}
+
+/// What a sealed vessel comes to by its mass: pressures are solved for as differences from it, which are small.
+double Gas::sealed_pressure(const FlowInput& in) const {
+  double mass = 0, room = 0;
+  for (std::size_t c = 0; c < in.mass.size(); ++c) {
+    mass += in.mass[c] + in.dt * in.source[c];
+    room += in.porosity[c] * grid_.volume / in.gas_constant_t[c];
+  }
+  for (const Opening& o : in.outer) mass += in.dt * o.flux;
+  return mass > 0 ? mass / room : in.reference;
 }
 
 FlowInput Gas::flow_input(const FromGrains& grains, double dt) const {
@@ -135,6 +151,7 @@ FlowInput Gas::flow_input(const FromGrains& grains, double dt) const {
     in.source[c] = sum(grains.source[c]);
     if (grains.solid[c] > 0) in.solid_velocity[c] = (1 / (grains.drag_factor[c] * grains.solid[c])) * grains.moment[c];
   }
+  if (vessel_.sealed) in.reference = sealed_pressure(in);
   return in;
 }
 
@@ -177,7 +194,8 @@ void Gas::step(const FromGrains& wanted, double dt) {
     fields_.drag[c] = e * e * flow_.resistance[c] * grid_.volume;
   }
   Passed passed;
-  transport(grid_, flow_, openings_, grains, dt, flow_order(), content_, fields_, passed);
+  transport(grid_, flow_, openings_, grains, dt, flow_order(), vessel_, content_, fields_, passed);
+  take_pressure();
   for (std::size_t c = 0; c < fields_.taken.size(); ++c)
     for (std::size_t k = 0; k < k_gas_species; ++k)
       if (wanted.source[c][k] < 0) fields_.taken[c][k] *= grains.source[c][k] / wanted.source[c][k];
@@ -192,6 +210,30 @@ void Gas::step(const FromGrains& wanted, double dt) {
   store();
   ++steps_;
   set_fields();
+}
+
+/// The flow was solved for the temperatures before the step; in a sealed vessel pressure has followed them since.
+void Gas::take_pressure() {
+  if (!vessel_.sealed) return;
+  double mass = 0, room = 0;
+  for (std::size_t c = 0; c < content_.mass.size(); ++c) {
+    const double here = fields_.porosity[c] * grid_.volume;
+    mass += here * flow_.pressure[c];
+    room += here;
+  }
+  const double factor = vessel_.pressure * room / mass;
+  for (auto* of : {&flow_.pressure, &flow_.outer_pressure})
+    for (double& p : *of) p *= factor;
+}
+
+double Gas::pressure() const noexcept {
+  if (vessel_.sealed || !started()) return vessel_.pressure;
+  double sum = 0, room = 0;
+  for (std::size_t c = 0; c < fields_.porosity.size(); ++c) {
+    sum += fields_.porosity[c] * flow_.pressure[c];
+    room += fields_.porosity[c];
+  }
+  return sum / room;
 }
 
 void Gas::give(int cell, const GasFractions& mass, double enthalpy) {
@@ -288,6 +330,7 @@ std::vector<std::uint8_t> Gas::save() const {
   std::vector<std::uint8_t> bytes(sizeof balance_ + sizeof steps_);
   std::memcpy(bytes.data(), &balance_, sizeof balance_);
   std::memcpy(bytes.data() + sizeof balance_, &steps_, sizeof steps_);
+  put(bytes, std::vector<double>{vessel_.pressure});
   put(bytes, content_.mass);
   put(bytes, content_.enthalpy);
   put(bytes, content_.temperature);
@@ -313,6 +356,9 @@ void Gas::load(std::span<const std::uint8_t> bytes, const std::string& where) {
   std::memcpy(&balance_, bytes.data(), sizeof balance_);
   std::memcpy(&steps_, bytes.data() + sizeof balance_, sizeof steps_);
   bytes = bytes.subspan(sizeof balance_ + sizeof steps_);
+  std::vector<double> pressure(1);
+  take(bytes, pressure);
+  vessel_.pressure = pressure[0];
   take(bytes, content_.mass);
   take(bytes, content_.enthalpy);
   take(bytes, content_.temperature);
@@ -328,7 +374,8 @@ void Gas::load(std::span<const std::uint8_t> bytes, const std::string& where) {
   take(bytes, fields_.diameter);
   take(bytes, fields_.exchange_temperature);
   take(bytes, fields_.taken);
-  for (const auto* v : {&content_.enthalpy, &content_.temperature, &flow_.pressure, &flow_.inner, &flow_.outer})
+  for (const auto* v :
+       {&pressure, &content_.enthalpy, &content_.temperature, &flow_.pressure, &flow_.inner, &flow_.outer})
     for (const double x : *v)
       if (!__builtin_isfinite(x)) throw Error(ErrorCode::io, "the gas of the checkpoint holds no finite number", where);
   set_fields();

@@ -1,7 +1,7 @@
 // The gas of a bed: its state, one step of it, its balances. Who calls it: scheduler/parts/gas.cpp, tests, whatever
 // else knows the grains. A step goes: porosity, flow (pressure, quasi-steady), species, enthalpy (transient), burning.
-// What is left out: inertia and convection of momentum (a bed's resistance outweighs them; an empty vessel's does not),
-// work of pressure (an enthalpy that leaves pressure changes out: open vessels, not bombs).
+// What is left out: inertia and convection of momentum (a bed's resistance outweighs them; an empty vessel's does not);
+// work of pressure where an open side holds it (transport.hpp).
 // Invariants: serial, in a fixed order, + - * / sqrt and det_math alone: the bits depend on the input alone; mass and
 // enthalpy follow from fluxes, so that what is stored changes by what passes, to rounding.
 #pragma once
@@ -18,7 +18,8 @@
 
 namespace talus::gas {
 
-/// What a run has seen pass, and what is stored; residuals are stored - start - in + out - of the grains.
+/// What a run has seen pass, and what is stored; residuals are stored - start - in + out - of the grains - work of
+/// pressure.
 struct Balance {
   Passed passed;                                   ///< since the start
   GasFractions start{}, stored{};                  ///< masses [kg]
@@ -53,6 +54,9 @@ class Gas {
   std::int64_t steps() const noexcept { return steps_; }
   /// Mean pressure on the faces of a side less that of the other end of the axis [Pa]; 0 on a periodic axis.
   double pressure_drop(int axis) const noexcept;
+  /// Of the whole [Pa]: transport.hpp; where sides hold it, the mean over the voids.
+  double pressure() const noexcept;
+  bool sealed() const noexcept { return vessel_.sealed; }
 
   /// All that later steps depend on. load: Error{io} where it does not fit.
   std::vector<std::uint8_t> save() const;
@@ -61,10 +65,12 @@ class Gas {
  private:
   void set_porosity(const FromGrains& grains);
   void set_fields();
+  void take_pressure();
   void store();
   [[noreturn]] void fail(std::size_t cell, const std::string& what) const;
   std::vector<int> flow_order() const;
   FromGrains at_most_there(const FromGrains& grains, double dt) const;
+  double sealed_pressure(const FlowInput& in) const;
   FlowInput flow_input(const FromGrains& grains, double dt) const;
 
   GasSettings settings_;
@@ -77,6 +83,7 @@ class Gas {
   Flow flow_;
   ToGrains fields_;
   Balance balance_;
+  Vessel vessel_;
   std::int64_t steps_ = 0;
   std::vector<char> given_;  ///< cells that grains have given something since settle()
 };

@@ -1,6 +1,7 @@
 // See species.hpp.
 #include "core/gas/species.hpp"
 
+#include "core/base/det_math.hpp"
 #include "core/base/types.hpp"
 
 namespace talus::gas {
@@ -110,6 +111,16 @@ double specific_gas_constant(const GasFractions& y) noexcept {
   double n = 0;
   for (int k = 0; k < k_gas_species; ++k) n += y[static_cast<std::size_t>(k)] / k_info[k].molar_mass;
   return n * k_gas_constant;
+}
+
+double steam_pressure(const GasFractions& y, double pressure) noexcept {
+  const auto k = static_cast<std::size_t>(GasSpecies::h2o);
+  return pressure * (y[k] * k_gas_constant / k_info[k].molar_mass) / specific_gas_constant(y);
+}
+
+double saturation_pressure(double t) noexcept {
+  if (t > 647.1) return 1e300;
+  return 610.78 * det::exp(17.269 * (t - 273.16) / (fmax2(t, k_coldest) - 35.86));
 }
 
 double viscosity(double temperature) noexcept {

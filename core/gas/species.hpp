@@ -31,6 +31,12 @@ double heat_capacity(const GasFractions& y, double temperature) noexcept;  ///< 
 double temperature_of(const GasFractions& y, double enthalpy, double guess) noexcept;
 double specific_gas_constant(const GasFractions& y) noexcept;  ///< [J/(kg K)]
 
+/// Partial pressure of steam [Pa].
+double steam_pressure(const GasFractions& y, double pressure) noexcept;
+/// Pressure of saturated steam above water, Murray (1967): within 1 % to 390 K, 10 % to 550 K; from the critical
+/// temperature on without bound [Pa].
+double saturation_pressure(double temperature) noexcept;
+
 /// Sutherland's law for air, of all mixtures [Pa s].
 double viscosity(double temperature) noexcept;
 /// From viscosity, heat capacity and a Prandtl number of 0.7 [W/(m K)].

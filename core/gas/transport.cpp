@@ -159,7 +159,7 @@ struct Step {
 
   /// Enthalpy per mass, with heat of grains in proportion to a temperature that is linear in it; a few
   /// rounds of that. Capacities are those of the fractions after the step.
-  void energy(Content& content, ToGrains& out, Passed& passed) const {
+  void energy(Vessel& vessel, Content& content, ToGrains& out, Passed& passed) const {
     const Size n = weight.size();
     std::vector<double> x(n), t = content.temperature, cp(n), h(n);
     std::vector<GasFractions> y(n);
@@ -167,12 +167,15 @@ struct Step {
       const double m = sum(content.mass[c]);
       for (Size k = 0; k < k_gas_species; ++k) y[c][k] = content.mass[c][k] / m;
     }
+    double rise = 0;  // of the pressure; a round passes on less than R / cp of its error
     const auto of = [](const Opening& o) { return o.enthalpy; };
     for (int round = 0; round < k_most_rounds; ++round) {
       for (Size c = 0; c < n; ++c) cp[c] = heat_capacity(y[c], t[c]), h[c] = enthalpy(y[c], t[c]);
       std::vector<double> total = weight, known = content.enthalpy;
       double scale = 1e-30;
+      if (vessel.sealed) rise = pressure_of(content, y, t, out) - vessel.pressure;
       for (Size c = 0; c < n; ++c) {
+        known[c] += out.porosity[c] * grid.volume * rise;
         // to the grains goes g T(x), with T = t + (x - h) / cp
         const double g = dt * grains.conductance[c];
         known[c] += dt * (grains.enthalpy[c] + grains.heat[c]) - g * (t[c] - h[c] / cp[c]);
@@ -191,7 +194,24 @@ struct Step {
       }
       if (change <= k_round_change) break;
     }
+    for (Size c = 0; c < n; ++c) {
+      const double work = out.porosity[c] * grid.volume * rise;
+      content.enthalpy[c] += work;
+      passed.pressure_work += work;
+    }
+    vessel.pressure += rise;
     finish_energy(x, t, of, content, out, passed);
+  }
+
+  /// Of all gas in its voids at these temperatures [Pa].
+  double pressure_of(const Content& content, const std::vector<GasFractions>& y, const std::vector<double>& t,
+                     const ToGrains& out) const {
+    double whole = 0, room = 0;
+    for (Size c = 0; c < t.size(); ++c) {
+      whole += sum(content.mass[c]) * specific_gas_constant(y[c]) * t[c];
+      room += out.porosity[c] * grid.volume;
+    }
+    return whole / room;
   }
 
   template <class Of>
@@ -226,10 +246,11 @@ double sum(const GasFractions& y) noexcept {
 }
 
 void transport(const Grid& grid, const Flow& flow, const std::vector<Opening>& openings, const FromGrains& grains,
-               double dt, const std::vector<int>& order, Content& content, ToGrains& out, Passed& passed) {
+               double dt, const std::vector<int>& order, Vessel& vessel, Content& content, ToGrains& out,
+               Passed& passed) {
   const Step step(grid, flow, openings, grains, dt, order, content, out);
   for (Size k = 0; k < k_gas_species; ++k) step.species(k, content, out, passed);
-  step.energy(content, out, passed);
+  step.energy(vessel, content, out, passed);
 }
 
 }  // namespace talus::gas

@@ -5,6 +5,11 @@
 // not negative: no value leaves the range of the others. Who calls it: gas.cpp. Invariants: solved by sweeps in a fixed
 // order along the flow; the new masses and enthalpies follow from fluxes, so that what leaves a cell enters another to
 // rounding.
+//
+// Pressure: of a vessel that no side opens to a given pressure it is that of all gas in it,
+//   P = sum(m R_s T) / sum(e V),   and its change does work, e V dP in each cell, at the temperatures of the step's
+// end: heat warms such a vessel by its heat capacity at constant volume, and what is blown in is compressed. An open
+// side holds the pressure; what the flow's resistance changes it by does no work here (a share of it over P).
 #pragma once
 
 #include <vector>
@@ -26,14 +31,23 @@ struct Content {
 struct Passed {
   GasFractions in{}, out{}, grains{};  ///< mass through sides, from grains [kg]
   double enthalpy_in = 0, enthalpy_out = 0, enthalpy_grains = 0;
-  double heat_grains = 0;  ///< [J]
+  double heat_grains = 0;    ///< [J]
+  double pressure_work = 0;  ///< e V dP [J]
+};
+
+/// The pressure of the whole [Pa]; `sealed`: no side is open to a given one, so that it follows from mass and heat.
+struct Vessel {
+  bool sealed = false;
+  double pressure = 0;
 };
 
 double sum(const GasFractions& y) noexcept;
 
 /// Advances `content` by dt [s]. `out` gains exchange_temperature and taken; `passed` what has passed. `order`: cells,
-/// those upwind first. Error{physics}: a temperature beyond the range of the thermodynamics.
+/// those upwind first. `vessel` gets the pressure at the end. Error{physics}: a temperature beyond the range of the
+/// thermodynamics.
 void transport(const Grid& grid, const Flow& flow, const std::vector<Opening>& openings, const FromGrains& grains,
-               double dt, const std::vector<int>& order, Content& content, ToGrains& out, Passed& passed);
+               double dt, const std::vector<int>& order, Vessel& vessel, Content& content, ToGrains& out,
+               Passed& passed);
 
 }  // namespace talus::gas

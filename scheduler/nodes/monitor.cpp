@@ -11,6 +11,7 @@
 #include "core/grains/source_notes.hpp"
 #include "core/meshes/mesh_file.hpp"
 #include "scheduler/nodes/surface.hpp"
+#include "scheduler/part.hpp"
 #include "scheduler/state/step_failure.hpp"
 #include "scheduler/team/parallel.hpp"
 
@@ -36,7 +37,7 @@ std::vector<std::string> touching(const Rows& rows, const Contacts& contacts, co
   return names;
 }
 
-void warn(const Clock& clock, Monitor& monitor, const char* kind, double level, double value, std::int64_t count,
+void warn(std::int64_t step, Monitor& monitor, const std::string& kind, double level, double value, std::int64_t count,
           const std::string& text) {
   for (Warning& q : monitor.warnings) {
     if (q.kind != kind) continue;
@@ -44,8 +45,7 @@ void warn(const Clock& clock, Monitor& monitor, const char* kind, double level, 
     q.worst = fmax2(q.worst, value);
     return;
   }
-  monitor.warnings.push_back(
-      {kind, fmt::format("step {}: {}", clock.step - 1, text), clock.step - 1, count, value, level});
+  monitor.warnings.push_back({kind, fmt::format("step {}: {}", step, text), step, count, value, level});
 }
 
 /// Largest of all chunks; ties go to the lower ids, so that the chunks do not matter.
@@ -72,10 +72,15 @@ void judge_energy(const Rules& rules, const Clock& clock, Monitor& monitor, cons
                                        e.residual, share, monitor.energy_scale);
   if (share > m.max_energy) throw StepFailure({}, text, "a smaller time.step, or a larger checks.max_energy");
   if (share > m.warn_energy)
-    warn(clock, monitor, "energy", m.warn_energy, share, 1, text + "; a smaller time.step helps");
+    warn(clock.step - 1, monitor, "energy", m.warn_energy, share, 1, text + "; a smaller time.step helps");
 }
 
 }  // namespace
+
+void warn_of_part(const Clock& clock, const std::string& part, const PartConcern& found, Monitor& monitor) {
+  warn(clock.step, monitor, part + " " + found.kind, found.level, found.value, found.count,
+       "part '" + part + "': " + found.text);
+}
 
 void warn_of_sources(const Rules& rules, const Clock& clock, WallSet& walls, Monitor& monitor) {
   if (!rules.has.walls) return;
@@ -216,17 +221,17 @@ void judge_step(const Rules& rules, const Clock& clock, const Contacts& contacts
     if (travel.value > m.max_travel)
       throw StepFailure({travel.id}, text + ": it could pass through a wall or a particle unseen",
                         cure + ", or a larger checks.max_travel");
-    warn(clock, monitor, "travel", m.warn_travel, travel.value, travel.count, text + "; impacts want " + cure);
+    warn(clock.step - 1, monitor, "travel", m.warn_travel, travel.value, travel.count, text + "; impacts want " + cure);
   }
   if (overlap.value > m.warn_overlap)
-    warn(clock, monitor, "overlap", m.warn_overlap, overlap.value, overlap.count,
+    warn(clock.step - 1, monitor, "overlap", m.warn_overlap, overlap.value, overlap.count,
          fmt::format("particle {} and {} overlap by {:.3g} of the smaller radius; stiffer contacts change less of the "
                      "geometry (`talus check` says how stiff)",
                      overlap.id, name_of(walls, overlap.partner), overlap.value));
   if (stiffness.value > rules.bounds.warn_row) {
     const double dt = rules.scene.dt, row = stiffness.value / (dt * dt),
                  effective = effective_stiffness(rules.scene, rules.bounds.time_step.ruler, row, dt);
-    warn(clock, monitor, "stiffness", m.warn_stiffness, effective, stiffness.count,
+    warn(clock.step - 1, monitor, "stiffness", m.warn_stiffness, effective, stiffness.count,
          fmt::format("the contacts of particle {} together are so stiff that step^2 k/m = {:.3g}, with dashpots and "
                      "tangential springs {:.3g}; a time.step of at most {} s is surely stable",
                      stiffness.id, stiffness.value, effective,

@@ -19,6 +19,8 @@
 
 namespace talus {
 
+struct PartConcern;
+
 inline constexpr int k_sample_every = 64;   ///< [steps]; a full look costs about 20 ns per particle
 inline constexpr int k_energy_every = 256;  ///< [steps]
 
@@ -35,6 +37,8 @@ void warn_of_extent(const Rules& rules, const Clock& clock, Monitor& monitor);
 void warn_of_sources(const Rules& rules, const Clock& clock, WallSet& walls, Monitor& monitor);
 /// Warns of streams that could not place all that was due in the batch of this step.
 void warn_of_shortfalls(const Rules& rules, const Clock& clock, const Insertion& insertion, Monitor& monitor);
+/// Warns of what a part has found in the step that ends.
+void warn_of_part(const Clock& clock, const std::string& part, const PartConcern& found, Monitor& monitor);
 /// Warns at construction of meshes with defects, or known less well than the grains need.
 void warn_of_meshes(const Rules& rules, const Clock& clock, const WallSet& walls, Monitor& monitor);
 /// Begins the chunk's extremes of a sampled step with the stiffness of the contacts of each row: before the integration,

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "core/base/error.hpp"
 #include "core/gas/drag.hpp"
@@ -15,6 +16,7 @@
 #include "core/gas/species.hpp"
 #include "scheduler/parts/doors.hpp"
 #include "scheduler/parts/gas_coupling.hpp"
+#include "scheduler/parts/gas_report.hpp"
 #include "scheduler/team/pools.hpp"
 
 namespace talus {
@@ -41,8 +43,7 @@ class GasPart final : public Part, public GasCells {
   explicit GasPart(const Rules& rules)
       : scene_(rules.scene),
         gas_(rules.scene.gas, wrapped_axes(rules.scene), rules.scene.gravity),
-        thermal_(rules.scene.heat.on),
-        converts_(rules.scene.conversion.on) {
+        thermal_(rules.scene.heat.on) {
     if (thermal_ && scene_.gas.every != scene_.heat.every)
       throw Error(ErrorCode::scene, "gas.every must be heat.every", scene_.file, "the same number of steps");
     for (int k = 0; k < 3; ++k)
@@ -128,34 +129,10 @@ class GasPart final : public Part, public GasCells {
   }
 
   std::vector<PartValue> values(const PartView& w) const override {
-    const gas::Balance& b = gas_.balance();
-    double element = 0, low = k_never, high = 0;
-    for (int k = 0; k < gas::k_elements; ++k) element = fmax2(element, __builtin_fabs(b.element_residual(k)));
-    for (const double t : gas_.fields().temperature) low = fmin2(low, t), high = fmax2(high, t);
-    const Vec3 f = total_force(w);
-    const bool started = gas_.started();
-    std::vector<PartValue> out{{"gas.mass_in", "kg", gas::sum(b.passed.in)},
-                               {"gas.mass_out", "kg", gas::sum(b.passed.out)},
-                               {"gas.mass_residual", "kg", b.mass_residual()},
-                               {"gas.element_residual", "kg", element},
-                               {"gas.enthalpy_residual", "J", b.enthalpy_residual()},
-                               {"gas.pressure_drop", "Pa", started ? gas_.pressure_drop(axis()) : 0},
-                               {"gas.temperature_min", "K", started ? low : scene_.gas.temperature},
-                               {"gas.temperature_max", "K", started ? high : scene_.gas.temperature},
-                               {"gas.force_x", "N", f.x},
-                               {"gas.force_y", "N", f.y},
-                               {"gas.force_z", "N", f.z},
-                               {"gas.iterations", "-", static_cast<double>(gas_.flow().iterations)}};
-    if (thermal_) {
-      out.push_back({"gas.enthalpy", "J", b.stored_enthalpy});
-      out.push_back({"gas.heat_from_grains", "J", b.passed.heat_grains});
-    }
-    if (converts_) {
-      out.push_back({"gas.mass_from_grains", "kg", gas::sum(b.passed.grains)});
-      out.push_back({"gas.enthalpy_from_grains", "J", b.passed.enthalpy_grains});
-    }
-    return out;
+    return gas_values(gas_, scene_, axis(), total_force(w));
   }
+
+  std::vector<PartConcern> concerns() override { return std::exchange(concerns_, {}); }
 
   // --- what other parts see of it ---
   double heat(Row i) const override { return heat_[static_cast<std::size_t>(i)]; }
@@ -275,6 +252,7 @@ class GasPart final : public Part, public GasCells {
       set_row(force_, i, f);
       if (thermal_) take_heat(i);
     }
+    concerns_ = gas_concerns(gas_, scene_, from_);
   }
 
   void check_drag(const PartView& w, Row i, double drag) const {
@@ -330,7 +308,7 @@ class GasPart final : public Part, public GasCells {
   gas::Gas gas_;
   gas::FromGrains from_;
   GasShares shares_;
-  const bool thermal_, converts_;
+  const bool thermal_;
   std::vector<std::array<double, 3>> kept_;  ///< by cell: see GasNear
   Column<double> force_, next_;              ///< GasForce of this and the last gas step
   Column<double> heat_;                      ///< [W]
@@ -339,6 +317,7 @@ class GasPart final : public Part, public GasCells {
   const Clock* clock_ = nullptr;      ///< of the run, known from the first gas step on
   std::int64_t gas_step_ = -1;        ///< step of the last gas step
   std::vector<std::uint8_t> before_;  ///< the gas before it
+  std::vector<PartConcern> concerns_;
 };
 
 GasNear GasPart::near(Row i) const {

@@ -63,9 +63,12 @@ std::vector<std::string> heat_advice(const HeatState& s, const PartView& w) {
       fmt::format("{} {} ({:.3g} s)", s.scene.error > 0 ? "the present one has" : "every =", s.pace.steps, s.dt(w));
   if (excess > 0) {
     const double most = static_cast<double>(s.pace.steps) / excess;
+    const auto as_steps = [&](double n) {
+      return n >= 1 ? fmt::format("{}", static_cast<std::int64_t>(n))
+                    : fmt::format("1 and time.step = {:.3g} s", n * w.rules.scene.dt);
+    };
     lines.push_back(fmt::format("{}; by what grains exchange now at most {}, for errors of about 1 % of a change {}",
-                                now, static_cast<std::int64_t>(most),
-                                std::max<std::int64_t>(1, static_cast<std::int64_t>(0.02 * most))));
+                                now, as_steps(most), as_steps(0.02 * most)));
   } else {
     lines.push_back(now + "; the largest that is allowed is known after the first heat step");
   }

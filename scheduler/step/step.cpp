@@ -84,6 +84,8 @@ void finish_step(World& w, const std::vector<NodeSpec>& table) {
   note_travel(w.contacts, w.lists);
   for (const NodeSpec& node : table)
     if (node.in && node.phase == Phase::finish) run_node(w, node, *w.contacts.chunks.front());
+  for (const auto& p : w.parts.all)
+    for (const PartConcern& found : p->concerns()) warn_of_part(w.clock, p->name(), found, w.monitor);
   if (w.rules.has.planes) add_crossings(w.rules, w.rows, w.contacts, w.planes);
   if (w.rules.has.superquadrics) count_solved(w);
   const std::chrono::duration<double> now = std::chrono::steady_clock::now().time_since_epoch();

@@ -1,5 +1,8 @@
 // Grain files: what is refused and in which words, and that every key's example is what the key allows.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <sstream>
 
 #include "core/base/error.hpp"
 #include "core/conversion/grain_advice.hpp"
@@ -57,6 +60,40 @@ TEST(GrainFile, SmallestOneRuns) {
   const std::string table = grain_table(job);
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 12);
   EXPECT_NE(table.find("released_tar"), std::string::npos);
+}
+
+/// The column of a table.
+std::vector<double> column(const std::string& table, const std::string& name) {
+  std::istringstream lines(table);
+  std::string line, cell;
+  std::getline(lines, line);
+  const auto at = std::count(line.begin(), line.begin() + static_cast<long>(line.find(name)), ',');
+  std::vector<double> values;
+  while (std::getline(lines, line)) {
+    std::istringstream cells(line);
+    for (long k = 0; k <= at; ++k) std::getline(cells, cell, ',');
+    values.push_back(std::stod(cell));
+  }
+  return values;
+}
+
+TEST(GrainFile, NoStepOvershootsWhatIsAroundTheGrain) {
+  for (const std::string around : {"film = 0\nwall_temperature = 2300", "film = 0.06", "film = 6e4", "film = 600"})
+    for (const double step : {0.05, 5.0, 500.0}) {
+      std::string text = with("temperature = 900\nfilm = 20", "temperature = 2300\n" + around);
+      text.replace(text.find("scheme = \"chan\"\n"), 16, "");
+      text.replace(text.find("step = 0.1\nduration = 1\n"), 24,
+                   fmt::format("step = {}\nduration = {}\n", step, 40 * step));
+      text.replace(text.find("density = 600"), 13, "density = 600\nemissivity = 1");
+      const std::string table = grain_table(parse_grain(text, "g.toml"));
+      for (const char* name : {"centre_temperature", "mean_temperature", "surface_temperature"})
+        for (const double T : column(table, name)) {
+          // the centre is that of a parabola through two shells
+          EXPECT_GT(T, name[0] == 'c' ? 250 : 300 - 1e-5) << around << " " << step << " " << name;
+          EXPECT_LT(T, 2300 + 1e-5) << around << " " << step << " " << name;
+        }
+      for (const double q : column(table, "heat_residual")) EXPECT_LT(std::fabs(q), 1e-9);
+    }
 }
 
 TEST(GrainFile, FaultsNameLineKeyValueAndWhatIsAllowed) {

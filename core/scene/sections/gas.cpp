@@ -26,7 +26,9 @@ const Keys<GasSettings> k_gas(
             "largest radius. Grains share their volume exactly among the cells they meet. Frames "
             "gain gas.pvd, the series gas.mass_in and gas.mass_out [kg] through the sides, "
             "gas.mass_residual, gas.element_residual [kg] and gas.enthalpy_residual [J] (stored less "
-            "start and passed), gas.pressure_drop [Pa] along the axis of the first inlet, "
+            "start, passed and the work of pressure), gas.pressure [Pa] (mean), gas.pressure_work [J] (void times "
+            "change of the pressure, where no side is open to a given one), gas.pressure_drop [Pa] along the axis of "
+            "the first inlet, "
             "gas.temperature_min and _max [K], gas.force_x, _y, _z on all grains [N], gas.iterations "
             "of the flow in the last gas step",
             "[4, 4, 12]")
@@ -65,7 +67,8 @@ const Keys<GasSettings> k_gas(
 const Keys<GasInlet> k_inlet(
     {"gas.inlet", true,
      "lets gas through a side of the grid, or through a rectangle of it; the rest is closed. Where several meet, the "
-     "last one counts"},
+     "last one counts. With no inlet of kind pressure the vessel is sealed: its pressure follows from mass and "
+     "temperatures, and heats what it compresses"},
     fixed_by("the gas of the checkpoint has flown through it"),
     {
         key("side", &GasInlet::side, "of the grid: left and right (x), front and back (y), bottom and top (z)",
