@@ -167,8 +167,8 @@ void put_lines(const Findings& f) {
   put("\n  duration    {} steps of {:.6g} s = {:.6g} s\n", grouped(scene.steps), scene.dt,
       scene.dt * static_cast<double>(scene.steps));
   put("  law         {}\n", f.plan.law);
-  put("  memory      about {} ({:.0f} B per particle); there is {} by the {}\n", human_bytes(f.memory),
-      f.plan.bytes_per_particle, human_bytes(f.room), f.left.by);
+  put("  memory      about {} ({:.0f} B per particle) of {} ({})\n", human_bytes(f.memory), f.plan.bytes_per_particle,
+      human_bytes(f.room), f.left.by);
   for (const auto& [wall, report] : f.simulation.meshes())
     put("  mesh        wall \"{}\", {}: {}\n", shown(wall), shown(report.file), describe(report));
   put("  time step\n{}", time_step_text(f.step));

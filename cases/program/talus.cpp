@@ -119,6 +119,19 @@ cli::ProgramText texts_of(const CLI::App& app) {
   return program;
 }
 
+/// `talus help contact.friction` means `talus help scene contact.friction`; false where there is no such key.
+bool put_scene_key(const std::string& name) {
+  Options o;
+  o.topic = "scene";
+  o.key = name;
+  try {
+    cli::help(o);
+  } catch (const Error&) {
+    return false;
+  }
+  return true;
+}
+
 /// `talus help` and `talus help TOPIC`; false for everything else. Error{usage}.
 bool help_on_commands(const CLI::App& app, const Options& o) {
   if (!app.got_subcommand("help") || o.topic == "scene" || o.topic == "grain") return false;
@@ -133,12 +146,14 @@ bool help_on_commands(const CLI::App& app, const Options& o) {
   }
   const auto found = app.get_subcommands([&](const CLI::App* c) { return c->get_name() == o.topic; });
   if (found.empty()) {
+    if (put_scene_key(o.topic)) return true;
     std::vector<std::string> topics = program.command_names();
     topics.insert(topics.end(), cli::help_topics().begin(), cli::help_topics().end());
     std::string list;
     for (const std::string& t : topics) list += (list.empty() ? "" : ", ") + t;
     throw Error(ErrorCode::usage,
-                fmt::format("no help on '{}'{}; there is {}", o.topic, did_you_mean(o.topic, topics), list));
+                fmt::format("no help on '{}'{}; there is {}, and keys of a scene (talus help scene lists them)",
+                            o.topic, did_you_mean(o.topic, topics), list));
   }
   cli::put_text(found.front()->help());
   return true;
@@ -255,9 +270,9 @@ void add_other_commands(const Adder& add, Options& o, cli::ShapeOptions& shape) 
 
   sub = add("help", "help on a command, on keys (talus help scene [KEY]), on files and columns (talus help output)",
             cli::help);
-  sub->add_option(
-      "topic", o.topic,
-      "a command, scene, grain, output, exit; reference (Markdown), man, bash, zsh: the same for other readers");
+  sub->add_option("topic", o.topic,
+                  "a command, a key or section of a scene, scene, grain, output, exit; reference (Markdown), man, "
+                  "bash, zsh: the same for other readers");
   sub->add_option("key", o.key, "a key such as contact.friction, or a section");
 }
 }  // namespace

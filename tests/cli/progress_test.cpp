@@ -26,6 +26,17 @@ TEST(Pace, KnowsNothingBeforeTheFirstStep) {
   EXPECT_EQ(duration_text(pace.seconds_to(100)), "?");
 }
 
+TEST(Pace, TheFirstStepsSayNothingOfTheEnd) {
+  Pace pace;
+  pace.note(0.2, 1000, 0);
+  EXPECT_EQ(pace.seconds_to(2000), -1);
+  pace.note(2, 2000, 0);
+  EXPECT_EQ(pace.seconds_to(4000), 2);
+  Pace slow;
+  slow.note(20, 1, 0);
+  EXPECT_EQ(slow.seconds_to(3), 40);
+}
+
 TEST(Pace, TheEndIsWhatIsLeftOverTheSpeed) {
   Pace pace;
   pace.note(4, 200, 6000);
