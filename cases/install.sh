@@ -8,6 +8,7 @@ packages=(
   libtbb-dev libeigen3-dev libxsimd-dev libfmt-dev libcli11-dev   # engine and command line
   libtomlplusplus-dev libhdf5-dev libxxhash-dev zlib1g-dev  # files
   libgtest-dev libbenchmark-dev                                   # tests and benchmarks
+  file                                                            # cpack asks it which libraries a package needs
   zsh                                                             # a test of its completions
   python3 python3-numpy python3-matplotlib python3-h5py python3-vtk9  # reports, and tests of what was written
 )

@@ -5,5 +5,5 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 bash cases/install.sh
-bash cases/build.sh talus
+bash cases/build.sh talus talus_docs
 exec build/talus run cases/hopper/hopper-20k.toml --out results/hopper-20k --overwrite "$@"

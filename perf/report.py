@@ -9,6 +9,7 @@ killed. No external resources, no dates: the same folder gives the same page.
 import argparse
 import contextlib
 import os
+import signal
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -73,6 +74,8 @@ def main():
         print(target, flush=True)
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # the interpreter flushes once more at its end
+        if isinstance(error, BrokenPipeError):  # nobody reads it: as talus itself
+            return 128 + signal.SIGPIPE
         return fail(f"standard output: cannot write: {error.strerror}")
     return 0
 

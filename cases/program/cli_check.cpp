@@ -35,17 +35,15 @@ struct Advice {
   RunTime time;
 };
 
-Advice advise(const Scene& scene, Simulation& simulation, const Arrivals& arrivals, double calibrate) {
+Advice advise(const Scene& scene, Simulation& simulation, double calibrate) {
   Advice a;
   a.r_max = Insertion(scene).largest_radius();
   a.step = step_advice(simulation.time_step());
   a.soft = simulation.softening(0);
-  const std::int64_t before = simulation.particles();
   a.cost = measure_cost(simulation, calibrate);
   a.k = advised_k(a.cost, a.r_max, scene.dt);
-  // What sources have delivered while it was measured is counted among those to come.
-  const double present = std::min(static_cast<double>(before), static_cast<double>(simulation.particles()));
-  a.time = predict(scene, a.cost, present, arrivals);
+  a.time = predict(scene, a.cost, static_cast<double>(simulation.particles()),
+                   arrivals_of(scene, scene.dt * static_cast<double>(a.cost.last)));
   return a;
 }
 
@@ -90,94 +88,126 @@ std::vector<std::string> notes_of_later_sources(const Scene& scene) {
   return later_shortfalls(scene, walls);
 }
 
+/// All that `check` says, before it is put into words.
+struct Findings {
+  const Scene& scene;
+  const Simulation& simulation;
+  const TimeStepReport& step;
+  Plan plan;
+  std::int64_t present, to_come;  ///< grains at step 0, at most after it
+  double memory;                  ///< that the run needs [bytes]
+  AvailableMemory left;
+  double room;  ///< that it may have [bytes]
+  std::vector<std::string> later, forgotten;
+  Advice advice;
+
+  std::string verdict() const {
+    if (memory >= 0.9 * room) return "valid, but needs more memory than there is";
+    if (!advice.cost.failure.empty()) return "valid, but the run ends early (see above)";
+    return step.warning.empty() ? "valid" : "valid, but the time step is large (see above)";
+  }
+};
+
+void add_advice(Json& j, const Findings& f) {
+  const Advice& a = f.advice;
+  j.begin_object("advice").add("time_step", a.step.advised).add("time_step_20", a.step.accurate);
+  j.add("time_step_limit", a.step.limit);
+  j.add("overlap", a.soft.overlap).add("overlap_by", a.soft.by_impact ? "impact" : "weight");
+  j.add("stiffness_factor_for_one_percent", a.soft.factor).add("time_step_factor", a.soft.step_factor);
+  j.add("verlet_k", a.k);
+  j.begin_array("parts");
+  for (const auto& [part, line] : f.simulation.part_advice()) j.add("", part + ": " + line);
+  j.end_array().end_object();
+  j.begin_object("predicted").add("seconds", a.time.seconds).add("seconds_outputs", a.time.outputs);
+  j.add("seconds_loose", a.time.seconds_loose).add("seconds_dense", a.time.seconds_dense);
+  j.add("ns_per_particle_step", 1e9 * a.cost.per_particle_step).add("measured_steps", a.cost.steps);
+  j.add("contacts_per_particle", a.cost.contacts).add("threads", f.plan.threads);
+  j.add("failure", a.cost.failure).end_object();
+}
+
+void add_meshes(Json& j, const Simulation& simulation) {
+  j.begin_array("meshes");
+  for (const auto& [wall, r] : simulation.meshes()) {
+    j.begin_object().add("wall", wall).add("file", r.file).add("facets", r.facets_read - r.dropped());
+    j.add("facets_read", r.facets_read).add("degenerate", r.degenerate).add("duplicate", r.duplicate);
+    j.add("open_edges", r.open_edges).add("forked_edges", r.forked_edges).add("flipped", r.flipped);
+    j.add("parts", r.parts).add("watertight", r.watertight).add("volume", r.watertight ? r.volume : NAN);
+    j.begin_array("lower").add("", r.lower.x).add("", r.lower.y).add("", r.lower.z).end_array();
+    j.begin_array("upper").add("", r.upper.x).add("", r.upper.y).add("", r.upper.z).end_array();
+    j.add("rounding", r.rounding).end_object();
+  }
+  j.end_array();
+}
+
+std::string json_of(const Findings& f) {
+  const Scene& scene = f.scene;
+  Json j;
+  j.begin_object().add("scene", scene.file).add("valid", true).add("verdict", f.verdict());
+  j.add("particles", f.present).add("particles_to_come_at_most", f.to_come).add("steps", scene.steps);
+  j.add("duration", scene.dt * static_cast<double>(scene.steps)).add("memory_bytes", f.memory);
+  j.add("bytes_per_particle", f.plan.bytes_per_particle);
+  add_time_step(j, f.step);
+  add_advice(j, f);
+  add_meshes(j, f.simulation);
+  j.begin_array("warnings");
+  for (const Warning& w : f.simulation.warnings()) j.add("", w.text);
+  for (const std::string& note : f.later) j.add("", note);
+  j.end_array();
+  j.begin_array("forgotten");
+  for (const std::string& note : f.forgotten) j.add("", note);
+  j.end_array();
+  return j.end_object().text();
+}
+
+void put_lines(const Findings& f) {
+  const Scene& scene = f.scene;
+  put("{}{}{}\n", shown_path(scene.file), scene.title.empty() ? "" : ": ", scene.title);
+  put("  particles   {} at step 0", grouped(f.present));
+  if (f.to_come > 0) put(", at most {} to come", grouped(f.to_come));
+  put("\n  duration    {} steps of {:.6g} s = {:.6g} s\n", grouped(scene.steps), scene.dt,
+      scene.dt * static_cast<double>(scene.steps));
+  put("  law         {}\n", f.plan.law);
+  put("  memory      about {} ({:.0f} B per particle) of {} ({})\n", human_bytes(f.memory), f.plan.bytes_per_particle,
+      human_bytes(f.room), f.left.by);
+  for (const auto& [wall, report] : f.simulation.meshes())
+    put("  mesh        wall \"{}\", {}: {}\n", shown(wall), shown(report.file), describe(report));
+  put("  time step\n{}", time_step_text(f.step));
+  put("  advice\n    time step  {}\n    stiffness  {}\n    verlet_k   {}\n",
+      step_text(scene, f.advice.step, f.step.contact.seconds), soft_text(scene, f.advice.soft),
+      k_text(scene, f.advice));
+  for (const auto& [part, line] : f.simulation.part_advice()) put("    {:<10} {}\n", part, line);
+  put("  run time    about {}\n", time_text(scene, f.advice.time, f.advice.cost, f.plan.threads));
+  for (const std::string& note : f.forgotten) tell("talus: note: {}\n", note);
+  for (const Warning& w : f.simulation.warnings()) tell("talus: warning: {}\n", w.text);
+  for (const std::string& note : f.later) tell("talus: warning: {}\n", note);
+  if (!f.advice.cost.failure.empty()) tell("talus: warning: the run would end early: {}\n", f.advice.cost.failure);
+  if (!f.step.warning.empty()) tell("talus: warning: {}\n", f.step.warning);
+  put("{}: {}\n", shown_path(scene.file), f.verdict());
+}
+
 }  // namespace
 
 int check(const Options& options) {
   const SceneText text = scene_text_of(options);
   const Scene& scene = text.scene;
-  const std::vector<std::string> forgotten = forgotten_keys(text);
   Simulation simulation(scene, options.run);
-  const TimeStepReport& step = simulation.time_step();
   const Plan plan = simulation.plan();
   const std::int64_t present = simulation.particles();
-  const Arrivals arrivals = arrivals_of(scene);
-  const std::int64_t to_come = count_ceil(arrivals.most);
+  const std::int64_t to_come = count_ceil(arrivals_of(scene).most);
   // The engine holds what is there now; later particles cost what the present ones do, lists included.
   const double memory =
       static_cast<double>(simulation.bytes()) + static_cast<double>(to_come) * plan.bytes_per_particle;
   const std::vector<std::string> later = notes_of_later_sources(scene);
-  const Advice advice = advise(scene, simulation, arrivals, options.calibrate);
+  const Advice advice = advise(scene, simulation, options.calibrate);
   // What the engine already holds is no longer available to it.
   const AvailableMemory left = available_memory();
   const double room = left.bytes + static_cast<double>(simulation.bytes());
-  const bool fits = memory < 0.9 * room;
-  const std::string verdict = !fits                          ? "valid, but needs more memory than there is"
-                              : !advice.cost.failure.empty() ? "valid, but the run ends early (see above)"
-                              : !step.warning.empty()        ? "valid, but the time step is large (see above)"
-                                                             : "valid";
-
-  if (options.json) {
-    Json j;
-    j.begin_object().add("scene", scene.file).add("valid", true).add("verdict", verdict);
-    j.add("particles", present).add("particles_to_come_at_most", to_come).add("steps", scene.steps);
-    j.add("duration", scene.dt * static_cast<double>(scene.steps)).add("memory_bytes", memory);
-    j.add("bytes_per_particle", plan.bytes_per_particle);
-    add_time_step(j, step);
-    j.begin_object("advice").add("time_step", advice.step.advised).add("time_step_20", advice.step.accurate);
-    j.add("time_step_limit", advice.step.limit);
-    j.add("overlap", advice.soft.overlap).add("overlap_by", advice.soft.by_impact ? "impact" : "weight");
-    j.add("stiffness_factor_for_one_percent", advice.soft.factor).add("time_step_factor", advice.soft.step_factor);
-    j.add("verlet_k", advice.k);
-    j.begin_array("parts");
-    for (const auto& [part, line] : simulation.part_advice()) j.add("", part + ": " + line);
-    j.end_array().end_object();
-    j.begin_object("predicted").add("seconds", advice.time.seconds).add("seconds_outputs", advice.time.outputs);
-    j.add("seconds_loose", advice.time.seconds_loose).add("seconds_dense", advice.time.seconds_dense);
-    j.add("ns_per_particle_step", 1e9 * advice.cost.per_particle_step).add("measured_steps", advice.cost.steps);
-    j.add("contacts_per_particle", advice.cost.contacts).add("threads", plan.threads);
-    j.add("failure", advice.cost.failure).end_object();
-    j.begin_array("meshes");
-    for (const auto& [wall, r] : simulation.meshes()) {
-      j.begin_object().add("wall", wall).add("file", r.file).add("facets", r.facets_read - r.dropped());
-      j.add("facets_read", r.facets_read).add("degenerate", r.degenerate).add("duplicate", r.duplicate);
-      j.add("open_edges", r.open_edges).add("forked_edges", r.forked_edges).add("flipped", r.flipped);
-      j.add("parts", r.parts).add("watertight", r.watertight).add("volume", r.watertight ? r.volume : NAN);
-      j.begin_array("lower").add("", r.lower.x).add("", r.lower.y).add("", r.lower.z).end_array();
-      j.begin_array("upper").add("", r.upper.x).add("", r.upper.y).add("", r.upper.z).end_array();
-      j.add("rounding", r.rounding).end_object();
-    }
-    j.end_array();
-    j.begin_array("warnings");
-    for (const Warning& w : simulation.warnings()) j.add("", w.text);
-    for (const std::string& note : later) j.add("", note);
-    j.end_array();
-    j.begin_array("forgotten");
-    for (const std::string& note : forgotten) j.add("", note);
-    j.end_array();
-    put("{}\n", j.end_object().text());
-    return 0;
-  }
-  put("{}{}{}\n", shown_path(scene.file), scene.title.empty() ? "" : ": ", scene.title);
-  put("  particles   {} at step 0", grouped(present));
-  if (to_come > 0) put(", at most {} to come", grouped(to_come));
-  put("\n  duration    {} steps of {:.6g} s = {:.6g} s\n", grouped(scene.steps), scene.dt,
-      scene.dt * static_cast<double>(scene.steps));
-  put("  law         {}\n", plan.law);
-  put("  memory      about {} ({:.0f} B per particle; {} by the {})\n", human_bytes(memory), plan.bytes_per_particle,
-      human_bytes(room), left.by);
-  for (const auto& [wall, report] : simulation.meshes())
-    put("  mesh        wall \"{}\", {}: {}\n", shown(wall), shown(report.file), describe(report));
-  put("  time step\n{}", time_step_text(step));
-  put("  advice\n    time step  {}\n    stiffness  {}\n    verlet_k   {}\n",
-      step_text(scene, advice.step, step.contact.seconds), soft_text(scene, advice.soft), k_text(scene, advice));
-  for (const auto& [part, line] : simulation.part_advice()) put("    {:<10} {}\n", part, line);
-  put("  run time    about {}\n", time_text(scene, advice.time, advice.cost, plan.threads));
-  for (const std::string& note : forgotten) tell("talus: note: {}\n", note);
-  for (const Warning& w : simulation.warnings()) tell("talus: warning: {}\n", w.text);
-  for (const std::string& note : later) tell("talus: warning: {}\n", note);
-  if (!advice.cost.failure.empty()) tell("talus: warning: the run would end early: {}\n", advice.cost.failure);
-  if (!step.warning.empty()) tell("talus: warning: {}\n", step.warning);
-  put("{}: {}\n", shown_path(scene.file), verdict);
+  const Findings found{scene, simulation, simulation.time_step(), plan,  present, to_come, memory, left,
+                       room,  later,      forgotten_keys(text),   advice};
+  if (options.json)
+    put("{}\n", json_of(found));
+  else
+    put_lines(found);
   return 0;
 }
 

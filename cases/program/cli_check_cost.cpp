@@ -17,8 +17,10 @@ namespace {
 constexpr double k_stated = 60e-9;  // [s] per particle-step of a dense frictional bed on one thread of a 3 GHz core
 constexpr double k_contact =
     12e-9;  // [s] at most per contact and step on one thread, where too few are there to measure
-constexpr double k_contact_share = 0.8;  // the same beside a step without contacts: slow machines are slow in both
-constexpr double k_dense_contacts = 3;   // per particle: coordination 6
+constexpr double k_contact_share = 0.8;   // the same beside a step without contacts: slow machines are slow in both
+constexpr double k_dense_contacts = 2.3;  // per particle in a bed at rest with friction, walls counted: 2.0 to 2.6
+
+constexpr double k_slice = 0.005;  // of the measurement, at least: to begin a run costs as much as a step of few grains
 
 using Clock = std::chrono::steady_clock;
 double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
@@ -29,6 +31,7 @@ void time_steps(Simulation& simulation, double seconds, Cost& c) {
   double work = 0, begun = 0;  // particle-steps and time of the half that counts
   std::int64_t before = 0;
   bool second = false;
+  std::int64_t slice = 10;
   try {
     // The first steps allocate and touch memory: they are not timed.
     if (seconds > 0) simulation.run(std::min<std::int64_t>(2, last - simulation.step()));
@@ -43,9 +46,11 @@ void time_steps(Simulation& simulation, double seconds, Cost& c) {
         simulation.restart_profile();
       }
       const auto begin = Clock::now();
-      const std::int64_t n = std::min<std::int64_t>(10, last - simulation.step());
+      const std::int64_t n = std::min<std::int64_t>(slice, last - simulation.step());
       simulation.run(n);
-      c.spent += since(begin);
+      const double took = since(begin);
+      c.spent += took;
+      if (took < k_slice * seconds) slice *= 2;
       work += static_cast<double>(n) * static_cast<double>(simulation.particles());
     }
   } catch (const Error& e) {

@@ -13,7 +13,7 @@ struct Cost {
   std::int64_t last = 0;           ///< step at which the measurement ended
   double spent = 0;                ///< on all steps up to it [s]
   double per_particle_step = 0;    ///< [s] in the second half of the measurement: the state that goes on
-  double dense = 0;                ///< [s] with 3 contacts per particle (a dense bed), if fewer were there
+  double dense = 0;                ///< [s] with the contacts of a dense bed, if fewer were there
   double contacts = 0;             ///< per particle, at the end of the measurement
   double rebuild = 0, narrow = 0;  ///< [s] per rebuild, per step
   double frame = 0, row = 0;       ///< [s] per output of particles and of the series, without the disk

@@ -25,13 +25,27 @@ double fall_time(const Scene& scene) {
   return std::sqrt(2 * height / g);
 }
 
+/// Grains of a source that delivers `most` evenly between `start` and `full`, by time t; their integral up to t.
+struct Delivery {
+  double most, start, full;
+
+  double by(double t) const {
+    if (t >= full) return most;
+    return t > start ? most * (t - start) / (full - start) : 0;
+  }
+  double integral(double t) const {
+    if (t >= full) return most * (t - 0.5 * (start + full));
+    return t > start ? 0.5 * (t - start) * by(t) : 0;
+  }
+};
+
 double outputs_in(double every, const Scene& scene) {
   return Repeat(every, scene.dt).on() ? duration_of(scene) / std::max(every, scene.dt) + 1 : 0;
 }
 
 }  // namespace
 
-Arrivals arrivals_of(const Scene& scene) {
+Arrivals arrivals_of(const Scene& scene, double from) {
   const double duration = duration_of(scene);
   Arrivals a;
   for (const Source& s : scene.sources) {
@@ -48,10 +62,10 @@ Arrivals arrivals_of(const Scene& scene) {
     if (s.mass_rate > 0) flow = flow > 0 ? std::min(flow, s.mass_rate / lightest) : s.mass_rate / lightest;
     if (flow > 0) most = std::min(most, flow * time);
     if (!std::isfinite(most)) continue;
-    // Over the time of delivery half of it is there on average, afterwards all.
     const double full = s.start + (flow > 0 ? most / flow : s.kind == Source::Kind::stream ? time : 0);
+    const Delivery d{most, s.start, std::min(full, end)};
     a.most += most;
-    a.mean += most * (duration - 0.5 * (s.start + std::min(full, end))) / duration;
+    if (from < duration) a.mean += (d.integral(duration) - d.integral(from)) / (duration - from) - d.by(from);
   }
   return a;
 }
@@ -61,7 +75,7 @@ RunTime predict(const Scene& scene, const Cost& cost, double present, const Arri
   t.outputs = outputs_in(scene.output.particles_every, scene) * cost.frame +
               outputs_in(scene.output.csv_every, scene) * cost.row;
   const auto steps = static_cast<double>(scene.steps), left = steps - static_cast<double>(cost.last);
-  const double work = left * std::max(present, 0.0) + (left > 0 ? steps * arrivals.mean : 0);
+  const double work = left * (std::max(present, 0.0) + arrivals.mean);
   t.seconds_loose = cost.spent + work * cost.per_particle_step + t.outputs;
   t.seconds_dense = cost.spent + work * cost.dense + t.outputs;
   const double fallen = fall_time(scene) / scene.dt - static_cast<double>(cost.last);

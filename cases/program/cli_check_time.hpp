@@ -12,9 +12,11 @@ namespace talus::cli {
 /// What sources deliver after step 0.
 struct Arrivals {
   double most = 0;  ///< upper bound [particles]
-  double mean = 0;  ///< of them present, averaged over the whole run; what leaves again is not known
+  double mean =
+      0;  ///< of those that come after `from`, present on average from then on; what leaves again is not known
 };
-Arrivals arrivals_of(const Scene& scene);
+/// `from`: time up to which the run is known [s].
+Arrivals arrivals_of(const Scene& scene, double from = 0);
 
 struct RunTime {
   double seconds = 0;  ///< the whole run, outputs included [s]
@@ -24,7 +26,8 @@ struct RunTime {
   double seconds_dense = 0;  ///< the same with the cost of a dense bed
 };
 
-/// `present`: particles at the end of the measurement. What was measured is not predicted but taken.
+/// `present`: particles at the end of the measurement, `arrivals` from then on. What was measured is not predicted but
+/// taken.
 RunTime predict(const Scene& scene, const Cost& cost, double present, const Arrivals& arrivals);
 
 std::string time_text(const Scene& scene, const RunTime& time, const Cost& cost, int threads);

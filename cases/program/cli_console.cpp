@@ -14,6 +14,7 @@ namespace talus::cli {
 namespace {
 
 [[noreturn]] void output_failed(int error) {
+  if (error == EPIPE) throw ReaderGone();
   throw Error(ErrorCode::io, std::string("cannot write: ") + std::strerror(error != 0 ? error : EIO),
               "standard output");
 }

@@ -1,10 +1,11 @@
 // Text to the terminal. Called by all cli_*.cpp. Invariants: what cannot be written to standard output is an error,
-// since the caller asked for it; what cannot be written to standard error is lost without harm, since a run must not
-// end over a message.
+// since the caller asked for it, unless its reader has gone (a pipe to head); what cannot be written to standard error
+// is lost without harm, since a run must not end over a message.
 #pragma once
 
 #include <fmt/format.h>
 
+#include <exception>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,11 +14,14 @@
 
 namespace talus::cli {
 
-/// Writes to standard output. Error{io} with the system's reason.
+/// Nobody reads standard output any more: the program ends without a word, as others do.
+struct ReaderGone : std::exception {};
+
+/// Writes to standard output. Error{io} with the system's reason; ReaderGone.
 void put_text(std::string_view text);
 /// Writes to standard error, or nothing.
 void tell_text(std::string_view text) noexcept;
-/// Writes out what is buffered. Error{io}.
+/// Writes out what is buffered. Error{io}, ReaderGone.
 void flush_output();
 
 template <class... T>

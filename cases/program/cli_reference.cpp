@@ -26,7 +26,9 @@ constexpr ExitCode k_exit_codes[] = {
      "input or output: a missing or damaged file, a full disk, a folder that another run holds, text that cannot be "
      "written"},
     {"70", "a fault of the program: please report it with the scene"},
-    {"128 + n", "signal n (SIGINT 130, SIGTERM 143), after a checkpoint; a second signal ends at once"},
+    {"128 + n",
+     "signal n (SIGINT 130, SIGTERM 143), after a checkpoint; a second one ends at once; 141: nobody reads the "
+     "output"},
 };
 
 constexpr std::string_view k_kinds =

@@ -5,11 +5,13 @@
 #include <sys/wait.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 
 #include "cases/program/cli.hpp"
+#include "cases/program/cli_console.hpp"
 #include "cases/program/cli_parts.hpp"
 #include "core/io/particle_frames.hpp"
 #include "core/io/run_folder.hpp"
@@ -76,6 +78,7 @@ int report(const Options& options) {
   const int status = run_and_wait(words);
   const int io = static_cast<int>(ErrorCode::io);
   if (WIFEXITED(status) && WEXITSTATUS(status) == io) return io;  // it has said why
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 128 + SIGPIPE) throw ReaderGone();
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     throw Error(ErrorCode::io, "the report script failed (its message is above)", options.files.at(0));
   }

@@ -4,10 +4,15 @@
 #include <array>
 #include <csignal>
 #include <cstddef>
+#include <cstdint>
+#include <ctime>
 
 namespace talus::cli {
 namespace {
 volatile std::sig_atomic_t g_signal = 0, g_asked = 0, g_early = 0;
+std::int64_t g_asked_at = 0;  ///< [ns]; the handler's own: its signals wait for each other
+/// Within this time after the first a signal is the same wish: `timeout` signals a process and then its group.
+constexpr std::int64_t k_one_wish = 500'000'000;  // [ns]
 // SIGPIPE and SIGXFSZ come from the run's own writes, again with every further one.
 constexpr std::array k_signals{SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ};
 std::array<struct sigaction, k_signals.size()> g_former;
@@ -15,11 +20,15 @@ std::array<struct sigaction, k_signals.size()> g_former;
 void remember(int number) {
   if (g_signal == 0) g_signal = number;
   if (number == SIGPIPE || number == SIGXFSZ) return;
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  const std::int64_t now = std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
   // Whoever asks twice does not want to wait for the checkpoint: the default action follows when the handler returns.
-  if (g_asked != 0) {
+  if (g_asked != 0 && now - g_asked_at > k_one_wish) {
     std::signal(number, SIG_DFL);
     std::raise(number);
   }
+  if (g_asked == 0) g_asked_at = now;
   g_asked = 1;
 }
 
@@ -43,6 +52,7 @@ SignalGuard::SignalGuard() {
   action.sa_flags = SA_RESTART;
   sigset_t ours;
   sigemptyset(&ours);
+  for (const int number : k_signals) sigaddset(&action.sa_mask, number);
   for (std::size_t k = 0; k < k_signals.size(); ++k) {
     sigaction(k_signals[k], nullptr, &g_former[k]);
     sigaddset(&ours, k_signals[k]);

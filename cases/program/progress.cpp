@@ -18,6 +18,7 @@ namespace talus::cli {
 namespace {
 constexpr double k_redraw_s = 0.1;   // fast enough for the eye, no load for a slow terminal
 constexpr double k_window_s = 10.0;  // the averaging window of speed and ETA is 10 to 20 s
+constexpr double k_start_s = 0.25;   // the first steps touch memory: they say little of the others
 constexpr double k_silence_s = 600;  // a log shows that a long run is alive
 constexpr int k_bar_least = 6, k_bar_most = 24;
 
@@ -122,6 +123,7 @@ double Pace::work_per_s() const {
 
 double Pace::seconds_to(double steps) const {
   const double rate = steps_per_s();
+  if (now_.seconds < k_start_s) return -1;
   return rate > 0 ? std::max(0.0, steps - now_.steps) / rate : -1;
 }
 

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -118,6 +119,19 @@ cli::ProgramText texts_of(const CLI::App& app) {
   return program;
 }
 
+/// `talus help contact.friction` means `talus help scene contact.friction`; false where there is no such key.
+bool put_scene_key(const std::string& name) {
+  Options o;
+  o.topic = "scene";
+  o.key = name;
+  try {
+    cli::help(o);
+  } catch (const Error&) {
+    return false;
+  }
+  return true;
+}
+
 /// `talus help` and `talus help TOPIC`; false for everything else. Error{usage}.
 bool help_on_commands(const CLI::App& app, const Options& o) {
   if (!app.got_subcommand("help") || o.topic == "scene" || o.topic == "grain") return false;
@@ -132,12 +146,14 @@ bool help_on_commands(const CLI::App& app, const Options& o) {
   }
   const auto found = app.get_subcommands([&](const CLI::App* c) { return c->get_name() == o.topic; });
   if (found.empty()) {
+    if (put_scene_key(o.topic)) return true;
     std::vector<std::string> topics = program.command_names();
     topics.insert(topics.end(), cli::help_topics().begin(), cli::help_topics().end());
     std::string list;
     for (const std::string& t : topics) list += (list.empty() ? "" : ", ") + t;
     throw Error(ErrorCode::usage,
-                fmt::format("no help on '{}'{}; there is {}", o.topic, did_you_mean(o.topic, topics), list));
+                fmt::format("no help on '{}'{}; there is {}, and keys of a scene (talus help scene lists them)",
+                            o.topic, did_you_mean(o.topic, topics), list));
   }
   cli::put_text(found.front()->help());
   return true;
@@ -145,10 +161,15 @@ bool help_on_commands(const CLI::App& app, const Options& o) {
 
 void say(const std::string& text) { cli::tell("talus: error: {}\n", text); }
 
+/// As of a program that SIGPIPE ends: `talus help scene | head` is no fault.
+constexpr int k_reader_gone = 128 + SIGPIPE;
+
 int guarded(const std::function<int()>& command) {
   const int io = static_cast<int>(ErrorCode::io);
   try {
     return command();
+  } catch (const cli::ReaderGone&) {
+    return k_reader_gone;
   } catch (const Error& e) {
     say(e.what());
     return e.exit_code();
@@ -170,34 +191,18 @@ int guarded(const std::function<int()>& command) {
 
 /// The exit code of a command whose text has to be out, too.
 int finished(int code) {
-  if (code == static_cast<int>(ErrorCode::io)) return code;  // one message is enough
+  if (code == static_cast<int>(ErrorCode::io) || code == k_reader_gone) return code;  // one message is enough
   const int flushed = guarded([] {
     cli::flush_output();
     return 0;
   });
   return flushed != 0 && code <= 1 ? flushed : code;
 }
-}  // namespace
+using Command = std::function<int(const Options&)>;
+/// Adds a command to the program: its name, what it does, what carries it out.
+using Adder = std::function<CLI::App*(const char*, const char*, Command)>;
 
-int main(int argc, char** argv) {
-  cli::secure_descriptors();
-  cli::outlive_failed_writes();
-  Options o;
-  if (argc > 0) o.program = argv[0];
-  CLI::App app{"Talus: discrete element method with a local Verlet buffer; the trajectory depends on the scene alone."};
-  app.set_version_flag("--version", std::string("talus ") + TALUS_FULL_VERSION);
-  app.require_subcommand(1);
-  app.failure_message([&](const CLI::App*, const CLI::Error& e) {
-    const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
-    return fmt::format("talus: error: {}\n", cli::usage_fault(texts_of(app), arguments, e.what()));
-  });
-  std::function<int(const Options&)> command;
-  const auto add = [&](const char* name, const char* about, int (*function)(const Options&)) {
-    CLI::App* sub = app.add_subcommand(name, about);
-    sub->final_callback([&command, function] { command = function; });
-    return sub;
-  };
-
+void add_scene_commands(const Adder& add, Options& o) {
   CLI::App* sub = add("run", "run a scene", cli::run);
   add_scene_options(*sub, o);
   add_engine_options(*sub, o);
@@ -216,8 +221,10 @@ int main(int argc, char** argv) {
   add_scene_options(*sub, o);
   add_engine_options(*sub, o);
   sub->add_flag("--json", o.json, "machine-readable");
+}
 
-  sub = add("info", "what is in a checkpoint, a summary or a run folder", cli::info);
+void add_result_commands(const Adder& add, Options& o) {
+  CLI::App* sub = add("info", "what is in a checkpoint, a summary or a run folder", cli::info);
   sub->add_option("file", o.files, "checkpoint, summary.json or run folder")->required();
   sub->add_flag("--json", o.json, "machine-readable");
 
@@ -247,25 +254,51 @@ int main(int argc, char** argv) {
       ->type_name("NAME,…")
       ->needs("--index");
   sub->add_flag("--quiet", o.quiet, "print nothing");
+}
 
-  sub = add("grain", "heat, drying and conversion of one grain in hot gas as a CSV table", cli::grain);
+void add_other_commands(const Adder& add, Options& o, cli::ShapeOptions& shape) {
+  CLI::App* sub = add("grain", "heat, drying and conversion of one grain in hot gas as a CSV table", cli::grain);
   sub->add_option("file", o.files, "grain file (TOML); `talus help grain` lists its keys")->required()->expected(1);
   sub->add_option("--out", o.out, "CSV file (default: standard output)")->type_name("FILE");
   sub->add_flag("--advise", o.advise, "print Biot number, level, shells and heat step instead");
   sub->add_flag("--overwrite", o.overwrite, "replace the file");
   sub->add_flag("--quiet", o.quiet, "print nothing");
 
-  cli::ShapeOptions shape;
-  sub = app.add_subcommand("shape", "make a clump of spheres that fills a watertight mesh; say how well");
-  sub->final_callback([&] { command = [&shape](const Options&) { return cli::shape(shape); }; });
+  sub = add("shape", "make a clump of spheres that fills a watertight mesh; say how well",
+            [&shape](const Options&) { return cli::shape(shape); });
   add_shape_options(*sub, shape);
 
   sub = add("help", "help on a command, on keys (talus help scene [KEY]), on files and columns (talus help output)",
             cli::help);
   sub->add_option("topic", o.topic,
-                  "a command, scene, grain, output, exit; reference (Markdown), man, bash, zsh: the same for other readers");
+                  "a command, a key or section of a scene, scene, grain, output, exit; reference (Markdown), man, "
+                  "bash, zsh: the same for other readers");
   sub->add_option("key", o.key, "a key such as contact.friction, or a section");
+}
+}  // namespace
 
+int main(int argc, char** argv) {
+  cli::secure_descriptors();
+  cli::outlive_failed_writes();
+  Options o;
+  cli::ShapeOptions shape;
+  if (argc > 0) o.program = argv[0];
+  CLI::App app{"Talus: discrete element method with a local Verlet buffer; the trajectory depends on the scene alone."};
+  app.set_version_flag("--version", std::string("talus ") + TALUS_FULL_VERSION);
+  app.require_subcommand(1);
+  app.failure_message([&](const CLI::App*, const CLI::Error& e) {
+    const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+    return fmt::format("talus: error: {}\n", cli::usage_fault(texts_of(app), arguments, e.what()));
+  });
+  Command command;
+  const Adder add = [&](const char* name, const char* about, Command function) {
+    CLI::App* sub = app.add_subcommand(name, about);
+    sub->final_callback([&command, function = std::move(function)] { command = function; });
+    return sub;
+  };
+  add_scene_commands(add, o);
+  add_result_commands(add, o);
+  add_other_commands(add, o, shape);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -1,10 +1,9 @@
-// VTKHDF writer; see vtkhdf.hpp.
-// How VTK finds frame k (one part per step, so PartOffsets[k] = k): points at PointOffsets[k]; the cell offsets of a
-// kind at CellOffsets[k] + (number of parts before k), since every part stores NumberOfCells + 1 of them; connectivity
-// at ConnectivityIdOffsets[k]. VTK up to 9.3 counts all parts before k; later ones count parts only until the cells
-// before the frame are reached, which skips empty parts directly before it. One spare entry in Offsets, added when a
-// kind first has cells again right after an empty frame (CellOffsets then runs one ahead of the cells), makes both
-// counts agree.
+// VTKHDF writer; see vtkhdf.hpp. How VTK finds frame k (one part per step, so PartOffsets[k] = k): points at
+// PointOffsets[k]; the cell offsets of a kind at CellOffsets[k] + (number of parts before k), since every part stores
+// NumberOfCells + 1 of them; connectivity at ConnectivityIdOffsets[k]. VTK up to 9.3 counts all parts before k; later
+// ones count parts only until the cells before the frame are reached, which skips empty parts directly before it. One
+// spare entry in Offsets, added when a kind first has cells again right after an empty frame (CellOffsets then runs one
+// ahead of the cells), makes both counts agree.
 #include "core/io/vtkhdf.hpp"
 
 #include <fcntl.h>
@@ -30,8 +29,8 @@ namespace talus {
 namespace {
 
 constexpr std::array<const char*, 4> k_kinds{"Vertices", "Lines", "Polygons", "Strips"};
-constexpr hsize_t k_chunk_rows = 4096;  ///< of columns that grow with the particles
-constexpr hsize_t k_chunk_steps = 64;   ///< of columns with one row per frame
+constexpr hsize_t k_chunk_rows = 4096,
+                  k_chunk_steps = 64;  ///< of columns that grow with the particles, with the frames
 // Of the library's own blocks: what a new file takes, and what any frame may.
 constexpr std::uint64_t k_room_file = 256 << 10, k_room_frame = 16 << 10;
 
@@ -54,15 +53,14 @@ struct VtkHdfWriter::Impl : Hdf5RowsFile {
   WatchedFile watched;
 
   PolyData poly(const Frame& frame) const {
-    if (content == Content::walls) return wall_poly(frame);
-    if (content == Content::contacts) return contact_poly(frame);
-    return particle_poly(frame, columns);
+    return content == Content::walls      ? wall_poly(frame)
+           : content == Content::contacts ? contact_poly(frame)
+                                          : particle_poly(frame, columns);
   }
 
   void group(const char* name) {
     Handle g(check(H5Gcreate2(file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "create a group"));
   }
-
   void write_n_steps() {
     Handle a(check(H5Aopen(steps_group, "NSteps", H5P_DEFAULT), "open NSteps"));
     check(H5Awrite(a, H5T_NATIVE_INT64, &frames), "write NSteps");
@@ -229,7 +227,6 @@ struct VtkHdfWriter::Impl : Hdf5RowsFile {
     flush();
     settle();
   }
-
   void cut() {
     const auto n = static_cast<hsize_t>(frames);
     hsize_t n_points = 0, n_cells = 0;

@@ -215,6 +215,8 @@ class Checker {
     if (!k.choices.empty()) hint = wrong_choice(k, n);
     // an upper bound beyond every physical quantity is left out of allowed_text
     if (n.is_number() && n.number > k.high && std::isfinite(n.number)) hint = fmt::format(", at most {:g}", k.high);
+    if (k.type == KeyType::numbers && n.is_list() && !n.list.empty() && n.list[0].is_list())
+      hint = ": one after another, without inner brackets";
     fail_value(ctx_, path, n, "must be " + allowed_text(k) + hint);
   }
   /// A key that would have no effect here is an error, not noise.

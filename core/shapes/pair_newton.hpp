@@ -165,19 +165,46 @@ TALUS_SHAPES_INLINE Triple<S> ahead(const PathPoint<S>& q, typename S::B& eta, t
   return unit<S>({q.n.x + (a * t.u.x + b * t.v.x), q.n.y + (a * t.u.y + b * t.v.y), q.n.z + (a * t.u.z + b * t.v.z)});
 }
 
+template <class S>
+TALUS_SHAPES_INLINE PathPoint<S> start_of_path(const PairState<S>& s) {
+  PathPoint<S> q;
+  q.n = s.n;
+  q.eta = s.eta;
+  q.residual = S::set(1e300);
+  q.newton = q.drift = {S::set(0), S::set(0)};
+  q.factor = q.share = S::set(1);
+  q.care = s.care;
+  return q;
+}
+
+/// Takes over what an evaluation found, in the lanes that work.
+template <class S>
+TALUS_SHAPES_INLINE void take_point(PairState<S>& s, const PairPoint<S>& e, const Step<S>& newton,
+                                    typename S::B residual, typename S::B length, typename S::B fine,
+                                    typename S::B working) {
+  using B = typename S::B;
+  const auto work = S::gt(working, S::set(0.5));
+  // The point of i moves with the part of the step that its own curvature takes.
+  const B m1 = e.i11 * newton.t1 + e.i12 * newton.t2, m2 = e.i12 * newton.t1 + e.i22 * newton.t2;
+  const B gain = S::set(0.5) * (e.g1 * newton.t1 + e.g2 * newton.t2);
+  const B small = S::select(S::lt(length, fine), gain, S::set(0));
+  s.delta = S::select(work, e.delta + small, s.delta);
+  s.xi = choose<S>(work,
+                   {e.xi.x + (m1 * e.t.u.x + m2 * e.t.v.x), e.xi.y + (m1 * e.t.u.y + m2 * e.t.v.y),
+                    e.xi.z + (m1 * e.t.u.z + m2 * e.t.v.z)},
+                   s.xi);
+  s.residual = S::select(work, residual, s.residual);
+  s.step = S::select(work, length, s.step);
+  s.steps = s.steps + working;
+}
+
 /// Iterates from (s.n, s.eta) until every lane is done or `most` evaluations are spent; lanes of s.done that are set on
 /// entry stay as they are. A step after which the residual is too large is taken back and made shorter.
 template <class S>
 TALUS_SHAPES_INLINE void iterate(const PairForm<S>& p, PairState<S>& s, int most) {
   using B = typename S::B;
   const B one = S::set(1), zero = S::set(0), end = S::set(k_eta);
-  PathPoint<S> q;
-  q.n = s.n;
-  q.eta = s.eta;
-  q.residual = S::set(1e300);
-  q.newton = q.drift = {zero, zero};
-  q.factor = q.share = one;
-  q.care = s.care;
+  PathPoint<S> q = start_of_path<S>(s);
   const auto smooth = S::gt(smoothness<S>(p), S::set(0.5));
   const B fine = S::select(smooth, S::set(k_step_smooth), S::set(k_step)),
           fit = S::select(smooth, one, S::set(k_residual));
@@ -188,20 +215,8 @@ TALUS_SHAPES_INLINE void iterate(const PairForm<S>& p, PairState<S>& s, int most
     const B least = S::set(1e-6) * p.size;
     const Step<S> newton = newton_step<S>(e, e.g1, e.g2, least), along = newton_step<S>(e, e.drift1, e.drift2, least);
     const B length = S::sqrt(newton.t1 * newton.t1 + newton.t2 * newton.t2);
-    // The point of i moves with the part of the step that its own curvature takes.
-    const B m1 = e.i11 * newton.t1 + e.i12 * newton.t2, m2 = e.i12 * newton.t1 + e.i22 * newton.t2;
     const B working = S::select(s.done, zero, one);
-    const auto work = S::gt(working, S::set(0.5));
-    const B gain = S::set(0.5) * (e.g1 * newton.t1 + e.g2 * newton.t2);
-    const B small = S::select(S::lt(length, fine), gain, zero);
-    s.delta = S::select(work, e.delta + small, s.delta);
-    s.xi = choose<S>(work,
-                     {e.xi.x + (m1 * e.t.u.x + m2 * e.t.v.x), e.xi.y + (m1 * e.t.u.y + m2 * e.t.v.y),
-                      e.xi.z + (m1 * e.t.u.z + m2 * e.t.v.z)},
-                     s.xi);
-    s.residual = S::select(work, residual, s.residual);
-    s.step = S::select(work, length, s.step);
-    s.steps = s.steps + working;
+    take_point<S>(s, e, newton, residual, length, fine, working);
     const B near = S::select(S::lt(length, fine), fit, S::set(k_residual_loose));
     const B open = S::select(S::lt(residual, near), S::select(S::lt(length, S::set(10) * fine), zero, one), one);
     // The rounded bodies hold the exact ones: apart along some n, they are apart.

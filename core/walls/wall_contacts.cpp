@@ -177,6 +177,18 @@ void settle_image(Hit& a, const std::vector<Hit>& hits, double tolerance) {
   }
 }
 
+/// Faces first, each group nearest first; an edge wins against a vertex at the same distance.
+void sort_by_rank(std::vector<Hit>& hits) {
+  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
+    const bool fa = a.feature == Feature::face, fb = b.feature == Feature::face;
+    if (fa != fb) return fa;
+    if (a.distance != b.distance) return a.distance < b.distance;
+    if (a.feature != b.feature) return a.feature < b.feature;
+    if (image_before(a.shift, b.shift) || image_before(b.shift, a.shift)) return image_before(a.shift, b.shift);
+    return a.element < b.element;
+  });
+}
+
 }  // namespace
 
 int WallSet::contacts(Vec3 c, double radius, std::span<const std::int32_t> candidates, WallContact* out,
@@ -220,15 +232,7 @@ int WallSet::contacts(Vec3 c, double radius, std::span<const std::int32_t> candi
     }
     return false;
   };
-  // Faces first, each group nearest first; an edge wins against a vertex at the same distance.
-  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
-    const bool fa = a.feature == Feature::face, fb = b.feature == Feature::face;
-    if (fa != fb) return fa;
-    if (a.distance != b.distance) return a.distance < b.distance;
-    if (a.feature != b.feature) return a.feature < b.feature;
-    if (image_before(a.shift, b.shift) || image_before(b.shift, a.shift)) return image_before(a.shift, b.shift);
-    return a.element < b.element;
-  });
+  sort_by_rank(hits);
   for (const Hit& h : hits) {
     if (behind_accepted(h)) continue;
     bool separate = true;

@@ -81,6 +81,11 @@ def line_plot(x, curves, title, xlabel, ylabel, zero=False, step=False, size=(5.
         axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncol=columns, borderaxespad=0.2, columnspacing=1.2, handlelength=1.4)
         axes.set_title(title, pad=8 + 13 * -(-len(curves) // columns))
     figure.draw_without_rendering()
+    power = axes.yaxis.get_major_formatter().get_offset()
+    if power:  # above the axis it would lie under the legend
+        axes.yaxis.offsetText.set_visible(False)
+        axes.set_ylabel(ylabel[:-1].replace("[", f"[{power} ") + "]" if ylabel.endswith("]") else f"{ylabel} / {power}")
+        figure.draw_without_rendering()
     box = axes.get_position()
     numbers = {
         "box": rounded([box.x0, 1 - box.y1, box.x1, 1 - box.y0]), "x": rounded(axes.get_xlim()), "y": rounded(axes.get_ylim()),

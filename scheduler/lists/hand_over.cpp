@@ -8,6 +8,31 @@
 
 namespace talus {
 
+std::vector<double*> room_for_entries(std::span<const std::int32_t> total, std::size_t size,
+                                      std::span<const std::span<double>> room, Column<double>& more) {
+  std::vector<double*> entries(total.size());
+  std::vector<std::span<double>> left(room.begin(), room.end());
+  std::size_t missing = 0;
+  const auto take = [&](std::size_t k) {
+    const std::size_t need = static_cast<std::size_t>(total[k]) * size;
+    for (std::span<double>& piece : left)
+      if (piece.size() >= need) {
+        entries[k] = piece.data();
+        piece = piece.subspan(need);
+        return true;
+      }
+    missing += need;
+    return false;
+  };
+  std::vector<std::size_t> homeless;
+  for (std::size_t k = 0; k < entries.size(); ++k)
+    if (!take(k)) homeless.push_back(k);
+  more = Column<double>(missing);
+  left.assign(1, std::span<double>(more));
+  for (const std::size_t k : homeless) take(k);
+  return entries;
+}
+
 void receive_contacts(const Rules& rules, Contacts& contacts, Team& team, int k, Row lo, Row hi, const double* entries,
                       std::int32_t count) {
   Chunk& c = *contacts.chunks[static_cast<std::size_t>(k)];

@@ -5,6 +5,7 @@
 
 #include <bit>
 #include <span>
+#include <vector>
 
 #include "scheduler/team/parallel.hpp"
 
@@ -14,6 +15,11 @@ namespace talus {
 /// history, all as doubles.
 void receive_contacts(const Rules& rules, Contacts& contacts, Team& team, int k, Row lo, Row hi, const double* entries,
                       std::int32_t count);
+
+/// Where each chunk's entries go, `size` doubles each: they lie together in the first piece of `room` that has space
+/// left for them, else in `more`.
+std::vector<double*> room_for_entries(std::span<const std::int32_t> total, std::size_t size,
+                                      std::span<const std::span<double>> room, Column<double>& more);
 
 /// Gives every contact to the chunks of its rows. `contacts_of(b, emit)` calls emit(i, j, h, at) for each
 /// undirected contact of block b, the same way both times it is called: history column q, oriented i - j, is
@@ -36,27 +42,8 @@ void hand_over(const Rules& rules, Contacts& contacts, Team& team, Row n, const 
     });
   });
   const std::vector<std::int32_t> total = scan_blocks(place, blocks.count);
-  // every chunk's entries lie together in the first piece of room that has space left for them
-  std::vector<double*> entries(static_cast<std::size_t>(chunks));
-  std::vector<std::span<double>> left(room.begin(), room.end());
-  std::size_t missing = 0;
-  const auto take = [&](std::size_t k) {
-    const std::size_t need = static_cast<std::size_t>(total[k]) * static_cast<std::size_t>(size);
-    for (std::span<double>& piece : left)
-      if (piece.size() >= need) {
-        entries[k] = piece.data();
-        piece = piece.subspan(need);
-        return true;
-      }
-    missing += need;
-    return false;
-  };
-  std::vector<std::size_t> homeless;
-  for (std::size_t k = 0; k < entries.size(); ++k)
-    if (!take(k)) homeless.push_back(k);
-  Column<double> more(missing);
-  left.assign(1, std::span<double>(more));
-  for (const std::size_t k : homeless) take(k);
+  Column<double> more;
+  const std::vector<double*> entries = room_for_entries(total, static_cast<std::size_t>(size), room, more);
   parallel(team, blocks.count, [&](int b) {
     std::int32_t* next = place.data() + static_cast<std::size_t>(b) * static_cast<std::size_t>(chunks);
     const auto put = [&](int k, Row i, Row j, const double* const* h, std::int64_t at, bool flip) {

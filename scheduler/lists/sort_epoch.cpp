@@ -27,33 +27,35 @@ std::uint64_t spread21(std::uint64_t x) {
 
 constexpr int k_digit = 8;  ///< most bits per pass of the radix sort: counters of all blocks stay in L2
 
-/// Sorts the present rows by cell key, then row. Afterwards sorted_row holds the old row of each new one, cell_of_row
-/// the new row of each old one or -1.
-void sort_rows(const Rules& rules, const Rows& rows, const Contacts& contacts, Lists& lists, Team& team) {
-  const auto count = static_cast<std::size_t>(rows.n);
-  grow_discarding(lists.grid.sorted_row, count + 2 * k_pad);
-  grow_discarding(lists.grid.cell_of_row, count + 2 * k_pad);
-  double *from = lists.x0.data(), *to = from + 2 * count;  // items: the bits of a key and a row
-  const auto item = [](double* base, std::int64_t q) { return base + 2 * q; };
-  const Blocks blocks = counting_blocks(contacts, rows.n, 1 << k_digit);
-  // The key comes from a grid of the scene alone, never from the list's cells (I3). Small grains rule it: within a cell
-  // of a grain of 20 radii rows stay disordered, and a rebuild, which searches groups of neighbouring rows, took 320
-  // instead of 134 ns per particle. Radii 1:5 uniform: no difference.
+/// An item of the sort: the bits of a key, then of a row.
+double* item(double* base, std::int64_t q) { return base + 2 * q; }
+
+/// The cell key of a present row: three coordinates, bit by bit in turns. It comes from a grid of the scene alone,
+/// never from the list's cells (I3). Small grains rule it: within a cell of a grain of 20 radii rows stay disordered,
+/// and a rebuild, which searches groups of neighbouring rows, took 320 instead of 134 ns per particle. Radii 1:5
+/// uniform: no difference.
+std::uint64_t cell_key(const Rules& rules, const Rows& rows, Row i, double inverse) {
+  const double* x = rows.grain_at(i);  // one key for all rows of a body: they stay together
+  std::uint64_t k = 0;
+  for (int a = 0; a < 3; ++a)
+    k |= spread21(static_cast<std::uint64_t>(cell_index(fmin2(x[a], rules.size[a]) * inverse, 1 << 21))) << a;
+  return k;
+}
+
+/// Writes the items of all rows in their order; the bits that some key has.
+std::uint64_t make_items(const Rules& rules, const Rows& rows, double* items, const Blocks& blocks, Team& team) {
   const double inverse = 1.0 / (2.6 * fmin2(rules.r_max, 2 * rules.r_min));
   std::vector<std::uint64_t> used(static_cast<std::size_t>(blocks.count), 0);
   parallel(team, blocks.count, [&](int b) {
     std::uint64_t all = 0;
     for (std::int64_t i = blocks.from(b); i < blocks.to(b); ++i) {
-      std::uint64_t k = 0;
+      // removed rows: behind all others, as soon as one bit more than theirs is looked at
+      std::uint64_t k = ~std::uint64_t{0};
       if (rows.is_alive(static_cast<Row>(i))) {
-        const double* x = rows.grain_at(static_cast<Row>(i));  // one key for all rows of a body: they stay together
-        for (int a = 0; a < 3; ++a)
-          k |= spread21(static_cast<std::uint64_t>(cell_index(fmin2(x[a], rules.size[a]) * inverse, 1 << 21))) << a;
+        k = cell_key(rules, rows, static_cast<Row>(i), inverse);
         all |= k;
-      } else {
-        k = ~k;  // behind all others, as soon as one bit more than theirs is looked at
       }
-      double* e = item(from, i);
+      double* e = item(items, i);
       e[0] = std::bit_cast<double>(k);
       e[1] = std::bit_cast<double>(static_cast<std::uint64_t>(i));
     }
@@ -61,28 +63,43 @@ void sort_rows(const Rules& rules, const Rows& rows, const Contacts& contacts, L
   });
   std::uint64_t all = 0;
   for (const std::uint64_t u : used) all |= u;
+  return all;
+}
+
+/// Where each block puts its first item of each digit: place[block][digit] holds how many it has of it on entry.
+void start_places(std::vector<std::int32_t>& place, const Blocks& blocks, int digit) {
+  std::vector<std::int32_t> first = scan_blocks(place, blocks.count);
+  std::int32_t sum = 0;
+  for (std::int32_t& f : first) sum += std::exchange(f, sum);
+  for (int b = 0; b < blocks.count; ++b)
+    for (std::size_t d = 0; d < first.size(); ++d) place[(static_cast<std::size_t>(b) << digit) + d] += first[d];
+}
+
+/// Sorts the present rows by cell key, then row. Afterwards sorted_row holds the old row of each new one, cell_of_row
+/// the new row of each old one or -1.
+void sort_rows(const Rules& rules, const Rows& rows, const Contacts& contacts, Lists& lists, Team& team) {
+  const auto count = static_cast<std::size_t>(rows.n);
+  grow_discarding(lists.grid.sorted_row, count + 2 * k_pad);
+  grow_discarding(lists.grid.cell_of_row, count + 2 * k_pad);
+  double *from = lists.x0.data(), *to = from + 2 * count;
+  const Blocks blocks = counting_blocks(contacts, rows.n, 1 << k_digit);
+  const std::uint64_t all = make_items(rules, rows, from, blocks, team);
   const int bits = std::max(1, static_cast<int>(std::bit_width(all)) + (rows.alive < rows.n ? 1 : 0));
   const int passes = (bits + k_digit - 1) / k_digit, digit = (bits + passes - 1) / passes;
   const std::uint64_t mask = (std::uint64_t{1} << digit) - 1;
   std::vector<std::int32_t> place(static_cast<std::size_t>(blocks.count) << digit);
+  const auto places_of = [&](int b) { return place.data() + (static_cast<std::size_t>(b) << digit); };
   for (int pass = 0; pass < passes; ++pass) {
     const int shift = pass * digit;
     const auto digit_of = [&](const double* e) { return (std::bit_cast<std::uint64_t>(e[0]) >> shift) & mask; };
     parallel(team, blocks.count, [&](int b) {
-      std::int32_t* count = place.data() + (static_cast<std::size_t>(b) << digit);
-      std::memset(count, 0, sizeof(std::int32_t) << digit);
-      for (std::int64_t q = blocks.from(b); q < blocks.to(b); ++q) ++count[digit_of(item(from, q))];
+      std::int32_t* number = places_of(b);
+      std::memset(number, 0, sizeof(std::int32_t) << digit);
+      for (std::int64_t q = blocks.from(b); q < blocks.to(b); ++q) ++number[digit_of(item(from, q))];
     });
-    std::vector<std::int32_t> first = scan_blocks(place, blocks.count);
-    std::int32_t sum = 0;
-    for (std::int32_t& f : first) {
-      const std::int32_t n = f;
-      f = sum;
-      sum += n;
-    }
+    start_places(place, blocks, digit);
     parallel(team, blocks.count, [&](int b) {
-      std::int32_t* next = place.data() + (static_cast<std::size_t>(b) << digit);
-      for (std::size_t d = 0; d <= mask; ++d) next[d] += first[d];
+      std::int32_t* next = places_of(b);
       for (std::int64_t q = blocks.from(b); q < blocks.to(b); ++q) {
         const double* e = item(from, q);
         const std::int32_t at = next[digit_of(e)]++;

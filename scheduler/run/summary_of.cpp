@@ -15,27 +15,9 @@ void add_planes(const Simulation& simulation, Summary& s) {
   s.planes_hash = simulation.planes_hash();
 }
 
-}  // namespace
-
-Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
+void add_counts(const Simulation& simulation, const RunFacts& facts, Summary& s) {
   const Scene& scene = simulation.scene();
   const Counters c = simulation.counters();
-  const Plan plan = simulation.plan();
-  Summary s;
-  s.title = scene.title;
-  s.scene_file = scene.file;
-  s.version = facts.version;
-  if (facts.signal != 0) s.status = "interrupted";
-  if (!facts.failure.empty()) s.status = "failed: " + facts.failure;
-  s.particles = simulation.particles();
-  s.first_step = facts.first_step;
-  s.last_step = simulation.step();
-  s.steps = s.last_step - s.first_step;
-  s.dt = scene.dt;
-  s.simulated_time = simulation.time();
-  s.wall_s = facts.wall_s;
-  s.particle_steps_per_s = facts.wall_s > 0 ? facts.particle_steps / facts.wall_s : 0;
-  for (const NodeTime& n : simulation.profile().nodes) s.nodes.push_back({n.node, n.calls, n.seconds});
   s.rebuilds = c.rebuilds;
   if (policy_of(scene.list.policy).cuts) s.cuts = c.cuts;
   s.rebuilds_skin = c.rebuilds_skin;
@@ -52,8 +34,11 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   s.inserted = c.inserted;
   s.removed = c.removed;
   s.removed_mass = c.removed_mass;
-  if (!scene.output.flux_planes.empty()) add_planes(simulation, s);
-  for (const PartValue& v : simulation.part_values()) s.parts.emplace_back(v.name, v.value);
+}
+
+void add_means(const Simulation& simulation, Summary& s) {
+  const Scene& scene = simulation.scene();
+  const Plan plan = simulation.plan();
   s.bytes_per_particle = plan.bytes_per_particle;
   s.peak_rss_bytes = peak_rss_bytes();
   for (const ListRecord& r : simulation.list_series())
@@ -68,6 +53,31 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   s.threads = plan.threads;
   s.chunk = plan.chunk;
   s.seed = scene.seed;
+}
+
+}  // namespace
+
+Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
+  const Scene& scene = simulation.scene();
+  Summary s;
+  s.title = scene.title;
+  s.scene_file = scene.file;
+  s.version = facts.version;
+  if (facts.signal != 0) s.status = "interrupted";
+  if (!facts.failure.empty()) s.status = "failed: " + facts.failure;
+  s.particles = simulation.particles();
+  s.first_step = facts.first_step;
+  s.last_step = simulation.step();
+  s.steps = s.last_step - s.first_step;
+  s.dt = scene.dt;
+  s.simulated_time = simulation.time();
+  s.wall_s = facts.wall_s;
+  s.particle_steps_per_s = facts.wall_s > 0 ? facts.particle_steps / facts.wall_s : 0;
+  for (const NodeTime& n : simulation.profile().nodes) s.nodes.push_back({n.node, n.calls, n.seconds});
+  add_counts(simulation, facts, s);
+  if (!scene.output.flux_planes.empty()) add_planes(simulation, s);
+  for (const PartValue& v : simulation.part_values()) s.parts.emplace_back(v.name, v.value);
+  add_means(simulation, s);
   s.kinetic_energy = simulation.kinetic_energy();
   if (scene.output.energies) {
     const Energies e = simulation.energies();

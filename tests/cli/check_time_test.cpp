@@ -51,6 +51,22 @@ TEST(CheckTime, ParticlesThatComeLaterCountForTheTimeThatTheyAreThere) {
   EXPECT_EQ(arrivals_of(s).most, 0) << "there at step 0";
 }
 
+TEST(CheckTime, WhatHasComeBeforeIsNotCountedAgain) {
+  Scene s = two_seconds();
+  Source stream;
+  stream.kind = Source::Kind::stream;
+  stream.number = 500;
+  stream.number_rate = 500;  // all are there after 1 s
+  stream.size.diameter = 0.01;
+  s.sources = {stream};
+  EXPECT_DOUBLE_EQ(arrivals_of(s, 0.5).mean, 250 * (1.5 - 0.25) / 1.5) << "half of them are there by then";
+  EXPECT_DOUBLE_EQ(arrivals_of(s, 1.5).mean, 0);
+  EXPECT_DOUBLE_EQ(arrivals_of(s, 2).mean, 0) << "at the end";
+  EXPECT_DOUBLE_EQ(arrivals_of(s, 1.5).most, 500) << "in the whole run";
+  const RunTime t = predict(s, measured(15000, 1), 500, arrivals_of(s, 1.5));
+  EXPECT_DOUBLE_EQ(t.seconds, 1 + 5000 * 500 * 1e-8);
+}
+
 TEST(CheckTime, WhatWasRunIsNotPredicted) {
   const Scene s = two_seconds();
   EXPECT_DOUBLE_EQ(predict(s, measured(s.steps, 3.25), 1000, {}).seconds, 3.25);

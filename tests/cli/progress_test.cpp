@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <thread>
 
 #include "cases/program/cli_signal.hpp"
 #include "scheduler/run/schedule.hpp"
@@ -23,6 +24,17 @@ TEST(Pace, KnowsNothingBeforeTheFirstStep) {
   EXPECT_EQ(pace.steps_per_s(), 0);
   EXPECT_EQ(pace.seconds_to(100), -1);
   EXPECT_EQ(duration_text(pace.seconds_to(100)), "?");
+}
+
+TEST(Pace, TheFirstStepsSayNothingOfTheEnd) {
+  Pace pace;
+  pace.note(0.2, 1000, 0);
+  EXPECT_EQ(pace.seconds_to(2000), -1);
+  pace.note(2, 2000, 0);
+  EXPECT_EQ(pace.seconds_to(4000), 2);
+  Pace slow;
+  slow.note(20, 1, 0);
+  EXPECT_EQ(slow.seconds_to(3), 40);
 }
 
 TEST(Pace, TheEndIsWhatIsLeftOverTheSpeed) {
@@ -152,12 +164,18 @@ TEST(WallIntervalTest, IsDueAfterItsSecondsButNeverCostsMoreThanAFiftieth) {
   EXPECT_FALSE(never.due(after(1e6)));
 }
 
+constexpr int k_later = -1;  ///< in place of a signal: a while without one
+
 /// What becomes of a process that gets these signals while a SignalGuard lives; 0 if it lives on.
 int fate(std::initializer_list<int> signals) {
   const pid_t child = fork();
   if (child == 0) {
     const SignalGuard guard;
-    for (const int s : signals) raise(s);
+    for (const int s : signals)
+      if (s == k_later)
+        std::this_thread::sleep_for(std::chrono::milliseconds(600));
+      else
+        raise(s);
     _exit(guard.caught() == *signals.begin() ? 0 : 99);
   }
   int status = 0;
@@ -168,16 +186,22 @@ int fate(std::initializer_list<int> signals) {
 TEST(SignalGuard, RemembersTheFirstAndASecondEndsTheProcessAtOnce) {
   for (const int s : {SIGINT, SIGTERM, SIGHUP}) {
     EXPECT_EQ(fate({s}), 0) << s;
-    EXPECT_EQ(fate({s, s}), s);
+    EXPECT_EQ(fate({s, k_later, s}), s);
   }
-  EXPECT_EQ(fate({SIGINT, SIGTERM}), SIGTERM) << "a second one of any kind";
+  EXPECT_EQ(fate({SIGINT, k_later, SIGTERM}), SIGTERM) << "a second one of any kind";
+}
+
+// timeout(1) signals the process, then its group.
+TEST(SignalGuard, TheSameSignalTwiceAtATimeIsOneWish) {
+  EXPECT_EQ(fate({SIGTERM, SIGTERM, SIGTERM}), 0);
+  EXPECT_EQ(fate({SIGTERM, SIGTERM, k_later, SIGTERM}), SIGTERM);
 }
 
 TEST(SignalGuard, SignalsOfTheRunsOwnWritesMayComeAgain) {
   for (const int s : {SIGPIPE, SIGXFSZ}) {
     EXPECT_EQ(fate({s, s, s}), 0) << s;
     EXPECT_EQ(fate({s, s, SIGTERM}), 0) << "the first one of a user";
-    EXPECT_EQ(fate({s, SIGTERM, SIGTERM}), SIGTERM);
+    EXPECT_EQ(fate({s, SIGTERM, k_later, SIGTERM}), SIGTERM);
   }
 }
 

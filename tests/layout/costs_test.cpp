@@ -27,6 +27,34 @@ std::set<std::string> folders_of(const std::set<std::string>& files) {
   return folders;
 }
 
+// The files that name an example of each kind are those that the next one touches.
+TEST(Cost, InFilesIsPrinted) {
+  struct Kind {
+    const char* what;
+    std::set<std::string> files;
+    std::size_t most;
+  };
+  const auto both = [](std::set<std::string> a, const std::set<std::string>& b) {
+    a.insert(b.begin(), b.end());
+    return a;
+  };
+  const Kind kinds[] = {
+      {"a contact law (hertz_tsuji)", files_with("hertz_tsuji"), 3},
+      {"a force of a law (PartialSlip)", files_with("PartialSlip"), 2},
+      {"a list policy (displacement_history)", files_with("displacement_history"), 3},
+      {"a wall shape (cone)", both(files_with("WallShape::cone"), files_with("k_cone_shape")), 5},
+      {"a key of the scene (onset_correction), less its user", files_with("\"onset_correction\""), 1},
+      {"an output quantity (tangential_force)", files_with("\"tangential_force\""), 1},
+      {"a part (tracer), its keys and members included", files_with("tracer"), 6},
+  };
+  std::printf("files touched for one more of a kind\n");
+  for (const Kind& k : kinds) {
+    std::printf("  %-54s %zu  %s\n", k.what, k.files.size(), joined(k.files).c_str());
+    EXPECT_GE(k.files.size(), 1u) << k.what;
+    EXPECT_LE(k.files.size(), k.most) << k.what;
+  }
+}
+
 // A key of a scene: a member of scene.hpp and one line in core/scene/sections.
 TEST(Cost, OfAKeyIsOneLine) {
   for (const char* key : {"onset_correction", "lever", "warn_travel", "velocity_jitter", "rotation_rate",

@@ -1,4 +1,4 @@
-// Numbers of the scheduler's house: members of its largest struct, its longest function, its largest file, how many
+// Numbers of the house: lines of code, largest file, longest function, largest struct of each layer, and how many
 // functions are given the whole World. They are printed, and held to bounds so that they cannot creep back.
 // TALUS_HOUSE=folder: of another checkout (printed only).
 #include <gtest/gtest.h>
@@ -30,9 +30,9 @@ Lines lines_of(const fs::path& path) {
   return lines;
 }
 
-std::vector<fs::path> sources() {
+std::vector<fs::path> sources(const std::string& folder) {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(root() + "/scheduler"))
+  for (const auto& entry : fs::recursive_directory_iterator(root() + "/" + folder))
     if (entry.path().extension() == ".cpp" || entry.path().extension() == ".hpp") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
@@ -95,38 +95,60 @@ void offer_structs(const Lines& lines, const std::string& file, Largest& most) {
   }
 }
 
-TEST(House, SchedulerStaysSmall) {
+/// What is printed of one layer.
+struct Numbers {
   Largest function, structure, file;
-  int over_400 = 0;
-  std::set<std::string> whole;
-  for (const fs::path& path : sources()) {
-    const Lines lines = lines_of(path);
-    const std::string name = fs::relative(path, root()).string();
-    file.offer(static_cast<int>(lines.size()), name);
-    over_400 += lines.size() > 400 ? 1 : 0;
-    offer_functions(lines, name, function);
-    offer_structs(lines, name, structure);
-    static const std::regex taker(R"((\w+)\((const )?World& \w+)");
-    for (const std::string& line : lines)
-      for (std::sregex_iterator m(line.begin(), line.end(), taker), none; m != none; ++m) whole.insert((*m)[1]);
+  int code = 0, over_400 = 0;
+
+  explicit Numbers(const std::string& folder) {
+    for (const fs::path& path : sources(folder)) {
+      const Lines lines = lines_of(path);
+      const std::string name = fs::relative(path, root()).string();
+      file.offer(static_cast<int>(lines.size()), name);
+      over_400 += lines.size() > 400 ? 1 : 0;
+      for (const std::string& line : lines) code += line.find_first_not_of(' ') != std::string::npos ? 1 : 0;
+      offer_functions(lines, name, function);
+      offer_structs(lines, name, structure);
+    }
   }
-  std::printf(
-      "largest struct: %d members (%s)\nlongest function: %d lines (%s)\nlargest file: %d lines (%s), %d over 400\n"
-      "functions that take the World: %zu\n",
-      structure.value, structure.where.c_str(), function.value, function.where.c_str(), file.value, file.where.c_str(),
-      over_400, whole.size());
-  if (std::getenv("TALUS_HOUSE") != nullptr) return;
-  EXPECT_LE(structure.value, 25);
-  EXPECT_LE(function.value, 70);
-  EXPECT_EQ(over_400, 0);
-  EXPECT_LE(whole.size(), 60U);
-  EXPECT_GT(structure.value, 10) << "the scanner sees something";
-  EXPECT_GT(function.value, 30);
+};
+
+// Kernels: a loop over lanes is one text, whose values live in registers. Structs of plain data (what a file or a table
+// has in columns) may have more members than those that own state.
+TEST(House, LayersStaySmall) {
+  std::printf("%-14s %7s %6s  longest function, largest struct, largest file\n", "", "lines", "> 400");
+  int code = 0;
+  for (const char* folder : {"core", "kernels", "scheduler", "cases/program"}) {
+    const Numbers n(folder);
+    code += n.code;
+    std::printf("%-14s %7d %6d  %d lines (%s), %d members (%s), %d lines (%s)\n", folder, n.code, n.over_400,
+                n.function.value, n.function.where.c_str(), n.structure.value, n.structure.where.c_str(), n.file.value,
+                n.file.where.c_str());
+    if (std::getenv("TALUS_HOUSE") != nullptr) continue;
+    EXPECT_LE(n.over_400, std::string(folder) == "core" ? 1 : 0) << n.file.where;
+    EXPECT_GT(n.structure.value, 10) << "the scanner sees something";
+    EXPECT_GT(n.function.value, 30);
+    EXPECT_LE(n.function.value, std::string(folder) == "kernels" ? 215 : 60) << n.function.where;
+    EXPECT_LE(n.structure.value, std::string(folder) == "scheduler" ? 25 : 70) << n.structure.where;
+  }
+  std::printf("%-14s %7d  lines of product code, without comments and blank lines\n", "", code);
+}
+
+TEST(House, FewFunctionsTakeTheWorld) {
+  std::set<std::string> whole;
+  static const std::regex taker(R"((\w+)\((const )?World& \w+)");
+  for (const fs::path& path : sources("scheduler"))
+    for (const std::string& line : lines_of(path))
+      for (std::sregex_iterator m(line.begin(), line.end(), taker), none; m != none; ++m) whole.insert((*m)[1]);
+  std::printf("functions that take the World: %zu\n", whole.size());
+  if (std::getenv("TALUS_HOUSE") == nullptr) {
+    EXPECT_LE(whole.size(), 60U);
+  }
 }
 
 /// Only step/, view/, the benchmarks' access and Simulation see the whole.
 TEST(House, OnlyStepAndViewSeeTheWorld) {
-  for (const fs::path& path : sources()) {
+  for (const fs::path& path : sources("scheduler")) {
     const std::string name = fs::relative(path, root()).string();
     if (name.rfind("scheduler/step/", 0) == 0 || name.rfind("scheduler/view/", 0) == 0 ||
         name == "scheduler/simulation.cpp")

@@ -237,8 +237,9 @@ void read_matter(const SceneTable& heat, const std::vector<SceneTable>& material
       if (!m.capacity.given()) m.capacity = Curve::constant(1);
       if (!m.conductivity.given()) m.conductivity = Curve::constant(1);
     }
-    if (!m.capacity.given()) heat.missing("capacity", "since a material has none of its own");
-    if (!m.conductivity.given()) heat.missing("conductivity", "since a material has none of its own");
+    const std::string why = "since the material \"" + materials[k].text("name") + "\" has none of its own";
+    if (!m.capacity.given()) heat.missing("capacity", why);
+    if (!m.conductivity.given()) heat.missing("conductivity", why);
   }
 }
 

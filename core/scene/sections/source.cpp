@@ -130,19 +130,19 @@ const Keys<SizeDistribution> k_size_keys(
                    "particle_diameter"}),
         key("min", &SizeDistribution::min, "m", k_size, "smallest diameter", "0.04")
             .only("kind=uniform|normal|lognormal")
-            .needed("uniform|normal|lognormal", "(required)")
+            .needed("uniform|normal|lognormal", "(required by uniform, normal and lognormal)")
             .also({{"min_radius", "", k_diameters}}),
         key("max", &SizeDistribution::max, "m", k_size, "largest diameter", "0.06")
             .only("kind=uniform|normal|lognormal")
-            .needed("uniform|normal|lognormal", "(required)")
+            .needed("uniform|normal|lognormal", "(required by uniform, normal and lognormal)")
             .also({{"max_radius", "", k_diameters}}),
         key("mean", &SizeDistribution::mean, "m", k_size, "mean diameter before truncation", "0.05")
             .only("kind=normal|lognormal")
-            .needed("normal|lognormal", "(required)"),
+            .needed("normal|lognormal", "(required by normal and lognormal)"),
         key("stddev", &SizeDistribution::stddev, "m", k_size, "standard deviation of the diameter before truncation",
             "0.005")
             .only("kind=normal|lognormal")
-            .needed("normal|lognormal", "(required)")
+            .needed("normal|lognormal", "(required by normal and lognormal)")
             .also({{"sigma", "size"}, {"std", "size"}, {"deviation", "size"}, {"standard_deviation", "size"}}),
         key("edges", &SizeDistribution::edges, "m", k_size, "n + 1 ascending diameters that bound n sieve classes",
             "[0.03, 0.04, 0.06]")

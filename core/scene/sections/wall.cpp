@@ -40,11 +40,11 @@ const Keys<WallSpec> k_wall(
         key("length", &WallSpec::length, "m", {0, k_length},
             "distance of the two ends; 0 makes a cone a flat ring or disc", "0.5")
             .only("shape=cylinder|cone")
-            .needed("cylinder|cone", "(required)")
+            .needed("cylinder|cone", "(required by cylinder and cone)")
             .also({{"height", "wall"}}),
         key("radius", &WallSpec::radius, "m", {0, k_length}, "radius at the first end", "0.2")
             .only("shape=cylinder|cone")
-            .needed("cylinder|cone", "(required)"),
+            .needed("cylinder|cone", "(required by cylinder and cone)"),
         key("radius_end", &WallSpec::radius_end, "m", {0, k_length}, "radius at the other end", "0.1")
             .only("shape=cone")
             .needed("cone", "(required by cone)"),
