@@ -88,7 +88,8 @@ struct Plan {
 /// Something that the run-time monitor has seen, one entry per kind (mesh: per wall), in order of appearance; before
 /// them what was ignored in the particle files (kind particle_file).
 struct Warning {
-  std::string kind;  ///< overlap, travel, stiffness, energy, extent, mesh, particle_file, source, stream NAME, PART ...
+  /// overlap, travel, stiffness, energy, extent, mesh, particle_file, source, event, stream NAME, PART ...
+  std::string kind;
   std::string text;  ///< what, who, when and the cure, of the first time
   std::int64_t first_step = 0;
   std::int64_t count = 0;  ///< pairs, particles or balances above the level, summed over the sampled steps

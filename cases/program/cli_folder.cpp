@@ -11,6 +11,7 @@
 #include "core/grains/region.hpp"
 #include "core/io/atomic_file.hpp"
 #include "core/scene/scene_file.hpp"
+#include "core/walls/wall_jump.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus::cli {
@@ -95,6 +96,22 @@ void refuse(const Start& start) {
                 "resume with the former values, or start a new run");
 }
 
+/// A wall that stands elsewhere all at once could pass grains unseen, or stand in them.
+void refuse_jump(const Scene& before, const Start& start) {
+  const Scene& scene = start.scene.scene;
+  const std::int64_t step = Simulation::step_of(*start.checkpoint);
+  const WallJump jump = largest_jump(before, scene, step);
+  if (!(jump.distance > 1e-6 * norm(scene.domain.upper - scene.domain.lower))) return;
+  throw Error(
+      ErrorCode::scene,
+      fmt::format("wall '{}' would jump by {:.3g} m at step {}: its motion counts from its start and not from the "
+                  "resume",
+                  jump.wall, jump.distance, step),
+      start.checkpoint->path(),
+      fmt::format("keep its motion until {:g} s; a wall with another name begins anew, where its keys put it",
+                  static_cast<double>(step) * scene.dt));
+}
+
 /// The folder whose newest checkpoint, or the file which, --resume names; returns the folder it belongs to, or "".
 std::string origin_of(const std::string& resume) {
   if (fs::is_directory(resume)) return resume;
@@ -133,7 +150,9 @@ Start find_start(const Options& options) {
   }
   start.changes = scene_changes(before, start.scene, Simulation::step_of(*start.checkpoint));
   refuse(start);
-  start.walls = wall_numbers((before.record ? before.record : before.folder)->scene, start.scene.scene, start.changes);
+  const Scene& old = (before.record ? before.record : before.folder)->scene;
+  refuse_jump(old, start);
+  start.walls = wall_numbers(old, start.scene.scene, start.changes);
   return start;
 }
 
@@ -177,8 +196,12 @@ Stored open_stored(const std::string& path) {
     return {stored_scene(folder), std::move(checkpoint)};
   }
   CheckpointReader checkpoint(path);
-  fs::path parent = fs::path(path).parent_path();
-  return {stored_scene(RunFolder::open(parent.empty() ? "." : parent.string())), std::move(checkpoint)};
+  const fs::path parent = fs::path(path).parent_path();
+  const std::string folder = parent.empty() ? "." : parent.string();
+  if (!fs::exists(fs::path(folder) / "scene.toml"))
+    throw Error(ErrorCode::usage, "has no scene.toml beside it, which tells what it holds", path,
+                "leave checkpoints in the folder of their run, or copy its scene.toml beside them");
+  return {stored_scene(RunFolder::open(folder)), std::move(checkpoint)};
 }
 
 }  // namespace talus::cli

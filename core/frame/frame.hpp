@@ -70,7 +70,7 @@ struct Frame {
   std::vector<ExtraColumn> extra;             ///< of optional parts, in the order of their list
   std::vector<BodyRecord> bodies;             ///< in id order; particles are their spheres
   std::vector<ContactRecord> contacts;        ///< on request
-  std::vector<ExtraColumn> contact_extra;     ///< the same of contacts; one value per entry of `contacts`
+  std::vector<ExtraColumn> contact_extra;     ///< the same of contacts; a value per entry of `contacts`
   std::vector<WallSurface> walls;             ///< current pose; empty without walls
   std::vector<WallLoad> wall_loads;
 };

@@ -152,6 +152,7 @@ std::span<const ContactQuantity> contact_quantities() noexcept { return k_contac
 ParticleColumns ParticleColumns::of(const Scene& scene, const Frame& example) {
   ParticleColumns c;
   for (const ExtraColumn& e : example.extra) c.extra_.push_back(e.name);
+  for (const ExtraColumn& e : example.contact_extra) c.contact_extra_.push_back(e.name);
   c.chosen_ = chosen_by([&](const ParticleQuantity& q) { return q.wanted != nullptr && q.wanted(scene); });
   return c;
 }
@@ -159,6 +160,7 @@ ParticleColumns ParticleColumns::of(const Scene& scene, const Frame& example) {
 ParticleColumns ParticleColumns::of(const Frame& frame) {
   ParticleColumns c;
   for (const ExtraColumn& e : frame.extra) c.extra_.push_back(e.name);
+  for (const ExtraColumn& e : frame.contact_extra) c.contact_extra_.push_back(e.name);
   c.chosen_ = chosen_by([&](const ParticleQuantity& q) { return q.held != nullptr && q.held(frame); });
   return c;
 }

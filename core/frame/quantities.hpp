@@ -51,13 +51,14 @@ class ParticleColumns {
   static ParticleColumns all();
   ParticleColumns without_forces() const;
   const std::vector<std::string>& extra() const noexcept { return extra_; }  ///< columns of optional parts
+  const std::vector<std::string>& contact_extra() const noexcept { return contact_extra_; }  ///< the same of contacts
   /// `k`: index in particle_quantities().
   bool has(std::size_t k) const noexcept { return always(k) || ((chosen_ >> k) & 1U) != 0; }
 
  private:
   static bool always(std::size_t k) noexcept { return particle_quantities()[k].wanted == nullptr; }
   std::uint64_t chosen_ = 0;
-  std::vector<std::string> extra_;
+  std::vector<std::string> extra_, contact_extra_;
 };
 
 /// Points with the given columns, as vertices. Error{io} if the frame lacks one of them.

@@ -34,6 +34,42 @@ void check_moments(Vec3 m, const std::string& where) {
               "all are positive, and none exceeds the sum of the others");
 }
 
+/// All mass lies within the body, so that (Ixx + Iyy + Izz) / 2 is at most m R2, and its centre within the spheres.
+void check_loading(const ShapeSpec& spec, const BodyShape& body, const std::string& where) {
+  if (spec.inertia.empty()) return;
+  Vec3 low{k_never, k_never, k_never}, high{-k_never, -k_never, -k_never};
+  const shapes::Rotation r = shapes::rotation(body.turn);
+  for (const shapes::SubSphere& s : body.spheres) {
+    const Vec3 x = shapes::to_space(r, s.x);
+    for (int k = 0; k < 3; ++k) low[k] = fmin2(low[k], x[k] - s.r), high[k] = fmax2(high[k], x[k] + s.r);
+  }
+  for (int k = 0; k < 3; ++k)
+    if (!(low[k] <= 0 && high[k] >= 0))
+      throw Error(ErrorCode::scene,
+                  fmt::format("centre ({:g}, {:g}, {:g}) lies outside of its spheres", spec.centre.x, spec.centre.y,
+                              spec.centre.z),
+                  where, "in the coordinates of the spheres, before any turn");
+  const double sum = (body.moments.x + body.moments.y) + body.moments.z, most = body.bound * body.bound;
+  if (0.5 * sum <= most * (1 + 1e-9)) return;
+  throw Error(
+      ErrorCode::scene,
+      fmt::format("inertia: {:g} kg and all within {:g} m of the centre have moments whose sum is at most {:g} kg "
+                  "m2, not {:g}",
+                  spec.mass, body.bound, 2 * spec.mass * most, spec.mass * sum),
+      where, "kg and m");
+}
+
+/// A sphere within another one adds no shape, and a second force wherever both are met.
+void refuse_hidden(std::span<const shapes::SubSphere> all, const std::string& where) {
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      const double room = all[i].r - all[j].r;
+      if (i == j || room < 0 || norm2(all[i].x - all[j].x) > room * room || (room == 0 && j < i)) continue;
+      throw Error(ErrorCode::scene, fmt::format("sphere {} lies within sphere {}", j + 1, i + 1), where,
+                  "leave it out: it has no surface of its own, and contacts there would be twice as stiff");
+    }
+}
+
 /// Largest (x x n) I^-1 (x x n) over unit n: the largest eigenvalue of [x]^T I^-1 [x].
 double lever_of(Vec3 x, Vec3 inverse) {
   const Vec3 a{0, x.z, -x.y}, b{-x.z, 0, x.x}, c{x.y, -x.x, 0};  // columns of [x]
@@ -116,6 +152,7 @@ void load_shape(ShapeSpec& spec, const std::string& directory) {
   const std::string where =
       spec.file.empty() ? fmt::format("shape '{}'", spec.name) : fmt::format("shape '{}', {}", spec.name, spec.file);
   const std::vector<shapes::SubSphere> given = spheres_of(spec, directory);
+  refuse_hidden(given, where);
   const shapes::MassProperties whole = shapes::union_properties(given, where);
   BodyShape c;
   c.volume = whole.volume;
@@ -139,6 +176,7 @@ void load_shape(ShapeSpec& spec, const std::string& directory) {
     c.lightness = fmax2(c.lightness, 1 + lever_of(c.spheres.back().x, c.rotor.inverse));
   }
   c.bound = shapes::clump_radius(c.spheres, {});
+  check_loading(spec, c, where);
   c.roundest = c.largest;
   spec.body = std::make_shared<const BodyShape>(std::move(c));
 }

@@ -65,7 +65,9 @@ constexpr SeriesQuantity<SeriesRow> k_run[] = {
      energy<&Energies::dissipated_background>, has_energies},
     {"wall_work", "J", k_sum, "done by moving walls, driven grains and gas on the others; positive is put in",
      energy<&Energies::wall_work>, has_energies},
-    {"inserted_energy", "J", k_sum, "kinetic and potential energy that sources, events and open sides brought in",
+    {"inserted_energy", "J", k_sum,
+     "kinetic and potential energy that sources, events and open sides brought in, and the springs of contacts that "
+     "events, walls that appear and those that vanish begin; less what they ended",
      energy<&Energies::inserted>, has_energies},
     {"resized_energy", "J", k_sum,
      "brought in by changing sizes: elastic of overlaps, kinetic and potential of the mass that comes",

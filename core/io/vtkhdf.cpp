@@ -106,6 +106,7 @@ struct VtkHdfWriter::Impl : Hdf5RowsFile {
     per_frame(step_numbers, "/talus/step");
 
     Frame none;  // shows the columns
+    for (const std::string& name : columns.contact_extra()) none.contact_extra.push_back({name, "", {}});
     const PolyData p = poly(none);
     const auto fields = [&](const std::vector<PolyColumn>& columns_of, const std::string& place,
                             std::vector<Hdf5Rows>& data, std::vector<Hdf5Rows>& offsets) {

@@ -172,9 +172,9 @@ struct Source {
   TALUS_MEMBER_WORDS(ClosedWalls, both, outside, inside)
   ClosedWalls closed_walls = ClosedWalls::both;
   int shape = -1;  ///< index into shapes; -1: spheres
-  /// How its bodies lie. random: all turns alike; fixed: the z axis of the shape along orientation_axis; axis: the
-  /// same, turned about it at random.
-  TALUS_MEMBER_WORDS(Orientation, random, fixed, axis)
+  /// How its bodies lie when they come. random: all turns alike; aligned: the z axis of the shape along
+  /// orientation_axis; axis: the same, turned about it at random.
+  TALUS_MEMBER_WORDS(Orientation, random, aligned, axis)
   Orientation orientation = Orientation::random;
   Vec3 orientation_axis{0, 0, 1};  ///< unit
 };
@@ -319,7 +319,7 @@ struct Scene {
   double tracer_rate = -1;  ///< at which a contact mixes the tracer [1/s]; negative: no tracer
   ConversionScene conversion;
   HeatScene heat;
-  GasSettings gas;          ///< in the voids between the grains (scheduler/parts/gas.cpp)
+  GasSettings gas;  ///< in the voids between the grains (scheduler/parts/gas.cpp)
 
   const PairCoefficients& pair(int a, int b) const { return pairs[a * materials.size() + b]; }
   /// List policy for a scene that names none: velocity_profile where gravity has a component along a periodic axis,

@@ -114,11 +114,13 @@ void read_points(const TomlNode& list, std::vector<double>& at, std::vector<doub
 }  // namespace
 
 Curve SceneTable::curve(std::string_view name) const {
+  constexpr const char* below_zero = "has a temperature below 0: they are in kelvin";
   const TomlNode& n = node_of(table_, section_, name);
   if (const auto number = number_in(n)) return Curve::constant(*number);
   Curve c;
   if (const TomlNode* points = n.find("table")) {
     read_points(*points, c.at, c.value);
+    if (c.at.front() < 0) fail(name, below_zero);
     return c;
   }
   c.coefficients = list_values<double>(*n.find("polynomial"), number_in);
@@ -128,6 +130,7 @@ Curve SceneTable::curve(std::string_view name) const {
     c.low = ends[0];
     c.high = ends[1];
   }
+  if (c.low < 0 || c.origin < 0) fail(name, below_zero);
   const SceneKey& key = *find_scene_key(section_, name);
   const heat::Property p = heat::Property::of(c);
   for (int k = 0; k <= 256; ++k) {

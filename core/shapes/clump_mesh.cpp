@@ -13,6 +13,8 @@
 namespace talus::shapes {
 namespace {
 
+constexpr double k_smallest = 1e-10;  // [m]
+
 /// Points of a grid that lie inside, with their distance to the surface.
 struct InnerGrid {
   Vec3 origin;
@@ -153,6 +155,10 @@ MeshClump clump_of_mesh(const Mesh& mesh, const MeshClumpSettings& settings) {
                 fmt::format("the mesh is not watertight: {} open and {} forked edges", mesh.report.open_edges,
                             mesh.report.forked_edges),
                 mesh.report.file, "close it: a clump fills the inside");
+  const Vec3 size = mesh.report.upper - mesh.report.lower;
+  if (const double longest = fmax2(size.x, fmax2(size.y, size.z)); !(longest >= k_smallest))
+    throw Error(ErrorCode::scene, fmt::format("the mesh is {:.3g} m long, less than an atom", longest),
+                mesh.report.file, "--scale gives the metres per unit of the file");
   MeshClump out;
   out.mesh = mesh_properties(mesh);
   const ClosedSurface surface(mesh);

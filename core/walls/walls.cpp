@@ -184,6 +184,8 @@ void WallSet::set_step(std::int64_t n, double dt) {
   }
 }
 
+void WallSet::act(int wall, bool active) { impl_->walls[static_cast<std::size_t>(wall)].pose.active = active; }
+
 double WallSet::largest_travel() const noexcept { return impl_->largest_travel; }
 
 void WallSet::mark(double k, double dt, double floor, double cap) {

@@ -100,6 +100,7 @@ class WallSet {
   /// Error{physics} for a wall that has gone a million periods.
   void set_step(std::int64_t n, double dt);
   const WallPose& pose(int wall) const;
+  void act(int wall, bool active);  ///< whatever its schedule says, until the next set_step()
 
   /// Remembers the present poses as those of a rebuild and stores each wall's skin [m] =
   /// min(max(K * fastest vertex speed * dt, floor), cap); a wall that never moves has skin 0.

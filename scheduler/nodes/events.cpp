@@ -1,6 +1,8 @@
 // See events.hpp.
 #include "scheduler/nodes/events.hpp"
 
+#include <fmt/format.h>
+
 #include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
 #include "core/grains/region.hpp"
@@ -86,6 +88,14 @@ void act_on_row(const Rules& rules, Rows& rows, const Event& e, Row i) {
   }
 }
 
+void warn_of_nobody(const Rules& rules, const Clock& clock, const Event& e, Monitor& monitor) {
+  monitor.warnings.push_back(
+      {"event",
+       fmt::format("the event at {:g} s ({}) concerns no grain: group '{}' has none at step {}", e.time,
+                   enum_word(e.action), rules.scene.groups[static_cast<std::size_t>(e.group)].name, clock.step),
+       clock.step, 1, 0, 0});
+}
+
 /// Particles due at this step. A pack that finds no room ends a run that has come this far, not the scene.
 NewParticles batch_of(const Clock& clock, const Rows& rows, const WallSet& walls, Insertion& insertion) {
   const PresentParticles present{std::span<const double>(rows.p.data(), 4L * static_cast<std::size_t>(rows.n))};
@@ -104,15 +114,17 @@ bool event_due(const Rules& rules, const Clock& clock) {
 }
 
 void apply_events(const Rules& rules, Clock& clock, Rows& rows, Lists& lists, Ledger& ledger, Counters& counters,
-                  Parts& parts) {
+                  Parts& parts, Monitor& monitor) {
   for (; event_due(rules, clock); ++clock.next_event) {
     const Event& e = rules.scene.events[clock.next_event];
     if (e.action == Event::Action::gravity) {
       set_gravity(rules, clock, rows, ledger, e.vector);
       continue;
     }
+    bool any = false;
     for (Row i = 0; i < rows.n; ++i) {
       if (!rows.is_alive(i) || !rows.leads(i) || !concerns(rules, rows, e, i)) continue;
+      any = true;
       if (e.action == Event::Action::remove) {
         remove_row(rules, clock, rows, lists, ledger, counters, parts, i);
         continue;
@@ -121,6 +133,7 @@ void apply_events(const Rules& rules, Clock& clock, Rows& rows, Lists& lists, Le
       act_on_row(rules, rows, e, i);
       if (rules.has.energies) ledger.inserted += row_energy(rules, rows, clock, i) - energy;
     }
+    if (!any) warn_of_nobody(rules, clock, e, monitor);
   }
 }
 

@@ -5,6 +5,7 @@
 #include "core/grains/insertion.hpp"
 #include "core/walls/walls.hpp"
 #include "scheduler/lists/lists.hpp"
+#include "scheduler/nodes/monitor.hpp"
 #include "scheduler/part.hpp"
 #include "scheduler/reports.hpp"
 #include "scheduler/state/ledger.hpp"
@@ -12,9 +13,9 @@
 namespace talus {
 
 bool event_due(const Rules& rules, const Clock& clock);
-/// All events that are due.
+/// All events that are due; warns of those that concern no grain.
 void apply_events(const Rules& rules, Clock& clock, Rows& rows, Lists& lists, Ledger& ledger, Counters& counters,
-                  Parts& parts);
+                  Parts& parts, Monitor& monitor);
 /// Appends the batch of the present step. False: there is none. A pack that finds no room is Error{physics}.
 bool insert_batch(const Rules& rules, const Clock& clock, const WallSet& walls, Insertion& insertion, Rows& rows,
                   Contacts& contacts, Ledger& ledger, Counters& counters, Parts& parts);

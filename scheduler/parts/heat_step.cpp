@@ -13,7 +13,8 @@
 namespace talus {
 namespace {
 
-constexpr Row k_rows = 1024;  // per block
+constexpr Row k_rows = 1024;       // per block
+constexpr double k_hottest = 1e5;  // as keys may say [K]
 
 /// A grain that another exchanges with over a distance.
 struct Near {
@@ -299,7 +300,7 @@ class HeatStep {
       }
       sum.change = fmax2(sum.change, __builtin_fabs(s_.next_temperature[at] - s_.temperature[at]));
       if (s_.sizes.any) expand(i);
-      if (!(s_.next_temperature[at] > 0)) sum.worst = i;
+      if (!(s_.next_temperature[at] > 0 && s_.next_temperature[at] <= k_hottest)) sum.worst = i;
     });
   }
 
@@ -311,13 +312,20 @@ class HeatStep {
     next[2] = now[2];
   }
 
+  [[noreturn]] void refuse_temperature(Row i) const {
+    const double T = s_.next_temperature[static_cast<std::size_t>(i)];
+    const ParticleId id = w_.rows.id[i];
+    if (!(T > k_hottest))
+      throw StepFailure({id}, fmt::format("grain {} has lost more heat than it had", id),
+                        "a negative flux of a wall takes more than there is");
+    throw StepFailure({id}, fmt::format("grain {} is heated to {:.4g} K, beyond all matter", id, T),
+                      fmt::format("less flux, power or time; up to {:g} K", k_hottest));
+  }
+
   void add_up() {
     std::fill(s_.source_flow.begin(), s_.source_flow.end(), 0.0);
     for (const BlockSums& b : sums_) {
-      if (b.worst >= 0)
-        throw StepFailure({w_.rows.id[b.worst]},
-                          fmt::format("grain {} has lost more heat than it had", w_.rows.id[b.worst]),
-                          "a negative flux of a wall takes more than there is");
+      if (b.worst >= 0) refuse_temperature(b.worst);
       s_.totals.gas = s_.totals.gas + dt_ * b.gas;
       s_.totals.radiation = s_.totals.radiation + dt_ * b.radiation;
       s_.totals.friction = s_.totals.friction + b.friction;

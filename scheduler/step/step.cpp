@@ -1,10 +1,12 @@
 // The serial parts of a step that see the whole: its decision, its end, its failure.
 #include "scheduler/step/step.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 #include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
+#include "core/walls/wall_motion.hpp"
 #include "scheduler/lists/skin_check.hpp"
 #include "scheduler/nodes/check.hpp"
 #include "scheduler/nodes/events.hpp"
@@ -48,6 +50,13 @@ void count_solved(World& w) {
   n.safe_pairs += n.step_safe_pairs;
 }
 
+/// A wall appears or vanishes at this step: contacts begin or end with all their energy.
+bool walls_change(const Scene& scene, std::int64_t step) {
+  return step > 0 && std::any_of(scene.walls.begin(), scene.walls.end(), [&](const WallSpec& wall) {
+           return acts_at(wall, step, scene.dt) != acts_at(wall, step - 1, scene.dt);
+         });
+}
+
 }  // namespace
 
 void run_node(World& w, const NodeSpec& node, Chunk& c) {
@@ -67,6 +76,8 @@ void check_step(World& w) {
   clock.rebuild = false;
   if (clock.stop) return;
   if (w.rules.has.walls) w.walls.set_step(clock.step, scene.dt);
+  if (w.rules.has.energies && walls_change(scene, clock.step))
+    w.ledger.inserted += elastic_energy(w, clock.step) - elastic_energy(w, clock.step - 1);
   if (w.rules.has.moving_walls) judge_walls(w.rules, w.rows, w.walls);
   const bool insertion = w.rules.has.insertion && w.insertion->next_step(clock.step) == clock.step;
   const bool epoch = clock.step % scene.sort_every == 0;

@@ -22,6 +22,7 @@
 #include "scheduler/nodes/wall_contact.hpp"
 #include "scheduler/step/step.hpp"
 #include "scheduler/step/world.hpp"
+#include "scheduler/view/observe.hpp"
 
 namespace talus {
 
@@ -32,7 +33,13 @@ using Names = std::vector<Access>;
 // --- what the nodes run: the argument lists say what each may read and write --------------------------------------
 
 void run_insert(World& w, Chunk&) {
-  apply_events(w.rules, w.clock, w.rows, w.lists, w.ledger, w.counters, w.parts);
+  if (event_due(w.rules, w.clock)) {
+    // events end contacts and begin some, with all the energy that is in them
+    const bool counts = w.rules.has.energies && w.clock.step > 0;
+    const double before = counts ? elastic_energy(w, w.clock.step) : 0;
+    apply_events(w.rules, w.clock, w.rows, w.lists, w.ledger, w.counters, w.parts, w.monitor);
+    if (counts) w.ledger.inserted += elastic_energy(w, w.clock.step) - before;
+  }
   if (!w.rules.has.insertion || w.insertion->next_step(w.clock.step) != w.clock.step) return;
   const bool came =
       insert_batch(w.rules, w.clock, w.walls, *w.insertion, w.rows, w.contacts, w.ledger, w.counters, w.parts);
@@ -113,8 +120,8 @@ void add_serial(const World& w, std::vector<NodeSpec>& t) {
   add(t, Node::displacement_check, "displacement_check", Phase::decide, {{"results"}, {"x0"}, {"walls"}},
       {{"p"}, {"v"}, {"x0"}, {"counters"}, {"warnings"}}, true, "always",
       [](World& world, Chunk&) { check_step(world); });
-  add(t, Node::insert, "insert", Phase::insert, {{"scene"}, {"walls"}, {"p"}},
-      {{"p"}, {"v"}, {"x0"}, {"id"}, {"fixed"}, {"gravity"}, {"counters"}, {"chunks"}}, acts,
+  add(t, Node::insert, "insert", Phase::insert, {{"scene"}, {"walls"}, {"p"}, {"contacts"}, {"history"}},
+      {{"p"}, {"v"}, {"x0"}, {"id"}, {"fixed"}, {"gravity"}, {"counters"}, {"chunks"}, {"warnings"}}, acts,
       acts ? "sources or events act during the run" : "no source or event acts during the run", run_insert);
   add(t, Node::sort_epoch, "sort_epoch", Phase::lists, {{"p"}, {"contacts"}, {"history"}},
       {{"order of all rows"}, {"history"}, {"wall history"}, {"x0"}, {"p2"}, {"v2"}, {"chunks"}}, true,

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "core/grains/body.hpp"
+#include "core/walls/wall_motion.hpp"
 #include "scheduler/lists/rebuild.hpp"
 #include "scheduler/nodes/add_ons.hpp"
 #include "scheduler/nodes/contact_blocks.hpp"
@@ -30,9 +31,10 @@ struct RowContact {
 };
 
 /// Rows, contacts and walls of the present step, and lists of what touches now.
-std::unique_ptr<World> copy_of(const World& w, bool energies) {
+std::unique_ptr<World> copy_of(const World& w, bool energies, bool serial = false) {
   Start start;
   start.rules = w.rules;
+  if (serial) start.rules.threads = 1;
   Features& has = start.rules.has;
   has.energies = energies;
   has.groups = has.planes = false;
@@ -41,7 +43,7 @@ std::unique_ptr<World> copy_of(const World& w, bool energies) {
   start.walls = w.walls;
   auto copy = std::make_unique<World>(std::move(start));
   World& c = *copy;
-  c.team.lane_choice.prepare(w.team.lane_choice.threads());
+  c.team.lane_choice.prepare(serial ? 1 : w.team.lane_choice.threads());
   set_particle_capacity(c.rows, w.rows.n);
   c.rows.columns.copy_saved(w.rows.columns, static_cast<std::size_t>(w.rows.n));
   c.rows.alive = w.rows.alive;
@@ -60,7 +62,7 @@ std::unique_ptr<World> copy_of(const World& w, bool energies) {
 /// Makes the lists of a copy and calls fn(chunk) behind the narrow phase of each chunk.
 template <class F>
 void with_contacts(World& c, F fn) {
-  with_threads(c.team, [&] {
+  const auto all = [&] {
     rebuild_lists(c.rules, c.clock, c.rows, c.contacts, c.lists, c.counters, c.walls, c.team);
     parallel(c.team, c.contacts.count(), [&](int k) {
       Chunk& q = c.contacts[k];
@@ -70,7 +72,11 @@ void with_contacts(World& c, F fn) {
       c.team.scratch.give(q.scratch);
       q.scratch = nullptr;
     });
-  });
+  };
+  if (c.team.threads == 1)
+    all();  // within a step, too
+  else
+    with_threads(c.team, all);
 }
 
 ContactRecord shaped_record(const World& w, Row i, Row j, int k, const ShapedContacts& shaped, const Block& b) {
@@ -294,14 +300,32 @@ std::vector<WallLoad> wall_loads(const World& w) {
 
 }  // namespace
 
-Column<double> energy_rows(const World& w) {
-  const std::unique_ptr<World> copy = copy_of(w, true);
-  World& c = *copy;
+namespace {
+
+void find_energies(World& c) {
   with_contacts(c, [&](Chunk& q) {
     force_chunk(c.rules, c.clock, c.rows, c.ledger.rows, q, {});
     if (c.rules.has.walls) wall_chunk(c.rules, c.clock, c.rows, c.lists, c.walls, c.ledger.rows, q);
   });
-  return std::move(c.ledger.rows);
+}
+
+}  // namespace
+
+Column<double> energy_rows(const World& w) {
+  const std::unique_ptr<World> copy = copy_of(w, true);
+  find_energies(*copy);
+  return std::move(copy->ledger.rows);
+}
+
+double elastic_energy(const World& w, std::int64_t walls_of) {
+  const std::unique_ptr<World> copy = copy_of(w, true, true);
+  for (std::size_t k = 0; k < w.rules.scene.walls.size(); ++k)
+    copy->walls.act(static_cast<int>(k), acts_at(w.rules.scene.walls[k], walls_of, w.rules.scene.dt));
+  find_energies(*copy);
+  double sum = 0;
+  for (Row i = 0; i < copy->rows.n; ++i)
+    if (copy->rows.is_alive(i)) sum = sum + copy->ledger.rows[4 * static_cast<std::size_t>(i)];
+  return sum;
 }
 
 Frame frame_of(const World& w, const FrameRequest& q) {
@@ -311,6 +335,7 @@ Frame frame_of(const World& w, const FrameRequest& q) {
   const std::vector<std::int32_t> place = add_particles(w, f);
   f.bodies = present_bodies(w);
   if (q.contacts || q.coordination || q.stress) add_contacts(w, q, place, f);
+  if (!q.contacts) add_contact_columns(w.parts, view_of(w), {}, f);  // their names: files are made before contacts are
   if (w.rules.has.walls && q.walls) f.walls = present_surfaces(w);
   if (w.rules.has.walls && q.wall_loads) f.wall_loads = wall_loads(w);
   return f;

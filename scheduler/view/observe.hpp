@@ -12,6 +12,9 @@ struct World;
 Energies energies_of(const World& w);
 /// Energy rows of the contacts of the present positions, as Ledger::rows; only with energies (frame.cpp).
 Column<double> energy_rows(const World& w);
+/// Elastic energy of the contacts of the present positions, on the calling thread alone; the scene's walls act as at
+/// step `walls_of` [J].
+double elastic_energy(const World& w, std::int64_t walls_of);
 Frame frame_of(const World& w, const FrameRequest& request);  ///< frame.cpp
 Plan plan_of(const World& w);                                 ///< explain.cpp
 std::size_t bytes_of(const World& w);

@@ -167,6 +167,68 @@ TEST_F(Lifecycle, AddedWallsLeaveTheContactsOfTheOthersAlone) {
       << "the wall is out of reach: the grains move as without it";
 }
 
+/// A motion counts from its start: another rate would move the wall at once by what it would have made until now.
+TEST_F(Lifecycle, AWallThatWouldJumpAtAResumeIsRefused) {
+  const auto scene = [](const std::string& motion) {
+    return small_scene(50,
+                       "[[wall]]\nname = \"paddle\"\nshape = \"box\"\nlower = [0.04, 0.049, 0.12]\nupper = [0.06, "
+                       "0.051, 0.15]\nmotion = { " +
+                           motion +
+                           " }\n[[wall]]\nname = \"tube\"\nshape = \"cylinder\"\npoint = [0.05, 0.05, 0.16]\nlength = "
+                           "0.03\nradius = 0.01\nmotion = { rotation_rate = 5, rotation_origin = [0.05, 0.05, 0] }\n");
+  };
+  const std::string turning = "rotation_rate = 20, rotation_origin = [0.05, 0.05, 0]";
+  half(scene(turning));
+  write("scene.toml", scene("rotation_rate = 25, rotation_origin = [0.05, 0.05, 0]"));
+  Result r = resume({"--quiet"});
+  EXPECT_EQ(r.exit_code, 3) << r.err;
+  // the corners lie 0.01005 m from the axis and would turn by 5 rad/s * 0.004 s more
+  EXPECT_TRUE(contains(r.err, "wall 'paddle' would jump by 0.000201 m at step 200")) << r.err;
+  write("scene.toml", scene("velocity = [0, 0, 0.3]"));
+  r = resume({"--quiet"});
+  EXPECT_EQ(r.exit_code, 3) << r.err;
+  // a plane, by what its vibration would have reached: 0.01 m sin(2 pi 50/s 0.004 s), beyond the side above
+  half(scene(turning) + "[[wall]]\nname = \"lid\"\nshape = \"plane\"\npoint = [0, 0, 0.195]\nnormal = [0, 0, -1]\n",
+       {"--overwrite"});
+  write("scene.toml", scene(turning) +
+                          "[[wall]]\nname = \"lid\"\nshape = \"plane\"\npoint = [0, 0, 0.195]\nnormal = [0, 0, "
+                          "-1]\nmotion = { amplitude = [0, 0, 0.01], frequency = 50 }\n");
+  r = resume({"--quiet"});
+  EXPECT_EQ(r.exit_code, 3) << r.err;
+  EXPECT_TRUE(contains(r.err, "wall 'lid' would jump by 0.00951 m")) << r.err;
+  half(scene(turning), {"--overwrite"});
+  write("scene.toml", scene(turning + ", end = 0.005"));  // from where it is then, later
+  r = resume({"--quiet"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  // a tube that turns about its own axis stays where it is
+  half(scene(turning), {"--overwrite"});
+  write("scene.toml", replaced(scene(turning), "rotation_rate = 5,", "rotation_rate = -50,"));
+  r = resume({"--quiet"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+}
+
+TEST_F(Lifecycle, AnEventThatConcernsNobodyIsSaid) {
+  const std::string event = "[[event]]\ntime = 0.002\naction = \"freeze\"\ngroup = \"g\"\n";
+  for (const auto& [ids, said] : {std::pair{"[100, 200]", true}, {"[49, 200]", false}}) {
+    write("scene.toml", small_scene(50, std::string("[[group]]\nname = \"g\"\nids = ") + ids + "\n" + event));
+    const Result r = talus({"run", "scene.toml", "--out", "out", "--quiet", "--overwrite"});
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_EQ(contains(r.err, "the event at 0.002 s (freeze) concerns no grain: group 'g' has none at step 100"), said)
+        << r.err;
+  }
+}
+
+TEST_F(Lifecycle, ACheckpointAwayFromItsSceneIsToldByItsOwnName) {
+  half(small_scene(20));
+  fs::create_directory(folder / "away");
+  fs::copy_file(folder / "out/checkpoint-200.tcp", folder / "away/c.tcp");
+  for (const Strings& words : {Strings{"compare", "away/c.tcp", "out"}, Strings{"convert", "away/c.tcp", "c.csv"}}) {
+    const Result r = talus(words);
+    EXPECT_EQ(r.exit_code, 2) << r.err;
+    EXPECT_TRUE(contains(r.err, "away/c.tcp: has no scene.toml beside it")) << r.err;
+  }
+}
+
 TEST_F(Lifecycle, FilesThatCannotBeContinuedAreSetAside) {
   half(small_scene(50));
   const std::string before = read("out/series.csv");

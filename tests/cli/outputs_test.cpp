@@ -244,6 +244,21 @@ TEST_F(Outputs, AnOptionalPartAddsItsColumnsToFramesAndSeriesAlsoAfterAResumeAnd
   EXPECT_FALSE(exists("alone"));
 }
 
+TEST_F(Outputs, ColumnsThatPartsAddToContactsAreInEveryFormat) {
+  const std::string scene = replaced(small_scene(300,
+                                                 "contacts = true\nvtkhdf = true\nvtp = true\n[heat]\ntemperature = "
+                                                 "300\nevery = 10\ncapacity = 800\nconductivity = 1\n"),
+                                     "velocity_jitter = 1.0", "velocity_jitter = 1.0\nvelocity = [0, 0, -3]");
+  write("scene.toml", scene);
+  run("scene.toml", "out");
+  EXPECT_NE(read("out/vtp/contacts-000000000400.vtp").find("Name=\"heat_flow\""), std::string::npos);
+  EXPECT_NE(read("out/contacts.vtkhdf").find("heat_flow"), std::string::npos);
+  run("scene.toml", "half", {}, {"--steps", "200"});
+  const Result more = talus({"run", "scene.toml", "--resume", "half", "--quiet", "--threads", "1"});
+  ASSERT_EQ(more.exit_code, 0) << more.err;
+  EXPECT_EQ(more.err.find("cannot be continued"), std::string::npos) << more.err;
+}
+
 TEST_F(Outputs, FramesOfContactsUseNoMoreThreadsThanTheRun) {
   write("scene.toml", small_scene(300, "contacts = true\nstress = true\n"));
   Process process(folder, {"run", "scene.toml", "--out", "out", "--quiet", "--threads", "1", "--chunk", "64", "--steps",

@@ -35,7 +35,7 @@ TEST(HeatKeys, MaterialsTakeWhatTheyLackFromHeat) {
       "}\n"
       "emissivity = 0.7\n[[material]]\nname = \"wood\"\ndensity = 600\n[material.heat]\n"
       "capacity = { polynomial = [1112, 4.85], origin = 273.15, range = [250, 800] }\n"
-      "[heat]\ntemperature = 290\ncapacity = 800\nconductivity = 0.2\n");
+      "[heat]\ntemperature = 290\ncapacity = 800\nconductivity = 0.2\n[heat.radiation]\nenclosure = 500\n");
   ASSERT_EQ(s.heat.matter.size(), 2U);
   EXPECT_EQ(heat::Property::of(s.heat.matter[0].capacity).at(900.0), 800);
   EXPECT_EQ(heat::Property::of(s.heat.matter[0].conductivity).at(400.0), 1.5);
@@ -72,6 +72,54 @@ TEST(HeatKeys, WhatCannotBeRightIsRefusedWithItsPlace) {
   EXPECT_CONTAINS(refusal(k_materials + "[material.heat]\nyoung = 7e10\n[heat]\ntemperature = 300\ncapacity = 8\n"
                                         "conductivity = 1\n"),
                   "heat.young: missing");
+}
+
+TEST(HeatKeys, WhatNoMaterialTakesFromHeatIsRefused) {
+  const std::string own =
+      "[[material]]\nname = \"glass\"\ndensity = 2500\nheat = { capacity = 1, conductivity = 2, emissivity = 0.5, "
+      "young "
+      "= 9e10 }\n";
+  const std::string heat = "[heat]\ntemperature = 300\n", radiation = "[heat.radiation]\nenclosure = 400\n";
+  EXPECT_EQ(refusal(own + heat + radiation), "accepted");
+  EXPECT_CONTAINS(refusal(own + heat), "material.0.heat.emissivity: 0.5: has no effect without [heat.radiation]");
+  for (const char* key : {"capacity = 5", "conductivity = 5", "emissivity = 0.5", "young = 5e10"})
+    EXPECT_CONTAINS(refusal(own + heat + key + "\n" + radiation), "has no effect: every material has its own") << key;
+  const std::string second = "[[material]]\nname = \"wood\"\ndensity = 600\n";
+  EXPECT_EQ(
+      refusal(own + second + heat + "capacity = 5\nconductivity = 5\nemissivity = 0.5\nyoung = 5e10\n" + radiation),
+      "accepted");
+  EXPECT_CONTAINS(refusal(second + heat + "capacity = 5\nconductivity = 5\nemissivity = 0.5\n"),
+                  "heat.emissivity: 0.5: has no effect without [heat.radiation]");
+}
+
+TEST(HeatKeys, TheRealModulusIsNotBelowThatOfTheModel) {
+  const auto with = [](const std::string& young) {
+    try {
+      parse_scene(
+          "[domain]\nlower = [0, 0, 0]\nupper = [1, 1, 1]\n[time]\nstep = 1e-5\nsteps = 10\n[contact]\nmodel = "
+          "\"hertz_mindlin\"\nrestitution = 0.8\n[[material]]\nname = \"glass\"\ndensity = 2500\nyoung = 5e7\npoisson "
+          "= "
+          "0.2\n[heat]\ntemperature = 300\ncapacity = 1\nconductivity = 1\nyoung = " +
+              young + "\n",
+          "t.toml", ".");
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(with("7e10"), "accepted");
+  EXPECT_EQ(with("5e7"), "accepted");
+  EXPECT_CONTAINS(with("70"), "heat.young: 70: is the real modulus");  // in GPa
+}
+
+TEST(HeatKeys, CurvesBelowZeroKelvinAreRefused) {
+  const auto with = [](const std::string& capacity) {
+    return refusal(k_materials + "[heat]\ntemperature = 300\nconductivity = 1\ncapacity = " + capacity + "\n");
+  };
+  EXPECT_CONTAINS(with("{ table = [[-20, 700], [500, 900]] }"), "has a temperature below 0: they are in kelvin");
+  EXPECT_CONTAINS(with("{ polynomial = [700, 1], origin = 0, range = [-10, 500] }"), "they are in kelvin");
+  EXPECT_CONTAINS(with("{ polynomial = [700, 1], origin = -273.15, range = [100, 500] }"), "they are in kelvin");
+  EXPECT_EQ(with("{ table = [[0, 700], [500, 900]] }"), "accepted");
 }
 
 TEST(HeatKeys, PropertyThatLeavesItsRangeIsRefusedWithTheTemperature) {

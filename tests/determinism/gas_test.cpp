@@ -75,6 +75,15 @@ TEST(Gas, ItsWorkOnTheGrainsIsInTheLedger) {
   EXPECT_LT(std::fabs(e.residual), 3 * std::fabs(plain.residual) + 0.02 * std::fabs(e.wall_work - plain.wall_work));
 }
 
+TEST(Gas, ItsHashIsThatOfTheStateWhetherEnergiesAreSummedOrNot) {
+  Scene s = blown(hopper());
+  Simulation without(s, RunOptions{});
+  s.output.energies = true;
+  Simulation with(s, RunOptions{});
+  for (Simulation* sim : {&without, &with}) sim->run(300);
+  EXPECT_EQ(with.state_hash(), without.state_hash());
+}
+
 TEST(Gas, IsLeftOutWhereTheSceneDoesNotAsk) {
   Simulation without(hopper(), RunOptions{}), with(blown(hopper()), RunOptions{});
   without.run(60);

@@ -241,6 +241,69 @@ Outcome run_trial(const KernelTable& k, const Input& in, const LawArgs& args, in
   return out;
 }
 
+/// Of two lists of late contacts the first is nearly full, so that some go on in the second.
+struct LateParts {
+  std::unique_ptr<LateContacts> part[2] = {std::make_unique<LateContacts>(), std::make_unique<LateContacts>()};
+  static constexpr int k_first = 1000;
+  int full;
+  LateParts(Block& b, int room) : full(k_block - room) {
+    part[0]->n = full;
+    part[0]->next = part[1].get();
+    b.late = part[0].get();
+    b.first = k_first;
+  }
+};
+
+bool same(double a, double b) { return a == b || (a != a && b != b); }
+
+/// Contacts that begin or end leave their block for lists (`room`: places of the first), and are finished there:
+/// places, forces and histories have to be those that they have in their block.
+Outcome run_late(const KernelTable& k, const Input& in, const LawArgs& a, int periodic, int room) {
+  Outcome out;
+  const auto whole = std::make_unique<Ready>(k, in, periodic, out),
+             by_law = std::make_unique<Ready>(k, in, periodic, out),
+             by_trial = std::make_unique<Ready>(k, in, periodic, out);
+  const int law = law_index(law_info(ContactModel::linear), true, false, false);
+  k.law[law](whole->block, a);
+  LateParts laws(by_law->block, room), trials(by_trial->block, room);
+  k.law[law](by_law->block, a);
+  k.trial(by_trial->block, a);
+  for (int p = 0; p < 2; ++p) {
+    const LateContacts& of_law = *laws.part[p];
+    LateContacts& of = *trials.part[p];
+    const int from = p == 0 ? trials.full : 0;
+    claim(of.n == of_law.n, "law and trial set aside other contacts");
+    const double back = of.n > 0 ? k.late(of, a) : 0;
+    Column<double> f(static_cast<std::size_t>(8 * (k_block + k_pad)), 0.0);
+    std::vector<std::int32_t> own(k_size);
+    for (int q = 0; q < k_size; ++q) own[static_cast<std::size_t>(q)] = q < k_block ? q : k_block;
+    k.scatter_limited(LimitArgs{{f.data(), own.data(), own.data(), of.n, 0, 0, of.r},
+                                of.t,
+                                a.contact_lever != 0 ? of.g[3] : nullptr,
+                                {of.h[0], of.h[1], of.h[2]},
+                                back});
+    for (int q = from; q < of.n; ++q) {
+      const int at = of.at[q] - LateParts::k_first;
+      claim(at == of_law.at[q] - LateParts::k_first && at >= 0 && at < in.n, "a late contact has lost its place");
+      for (int c = 0; c < 7; ++c) {
+        claim(same(f[static_cast<std::size_t>(8 * q + c)], whole->r[c][at]), "a late force is not that of the block");
+        claim(same(of_law.r[c][q], whole->r[c][at]), "a late force of the law is not that of the block");
+        claim(by_law->r[c][at] == 0, "a late force is in both places");
+      }
+      for (int c = 0; c < 3 + a.recall; ++c)
+        claim(same(of.h[c][q], whole->h[c][static_cast<std::size_t>(at)]), "a late history is not that of the block");
+      out.add_integers(&at, 1);
+      out.add(f.data() + 8L * q, 7);
+    }
+  }
+  for (int c = 0; c < 3 + a.recall; ++c) {
+    for (std::size_t q = 0; q < static_cast<std::size_t>(in.n); ++q)
+      claim(same(by_law->h[c][q], whole->h[c][q]), "a history of a block that late contacts left has changed");
+    out.add(by_law->h[c].data(), in.n);
+  }
+  return out;
+}
+
 /// Narrow phase of three sections; with a range of adhesion the one whose contacts hold beyond touch, and its
 /// histories.
 Outcome run_narrow(const KernelTable& k, const Input& in, int periodic, unsigned was, const double* range) {
@@ -350,8 +413,14 @@ void kernels(Bytes input) {
       return run_narrow(k, *in, periodic, was, what == 0 ? nullptr : &range);
     });
   if (what == 2) return same_on_all("integration", [&](const KernelTable& k) { return run_integrate(k, *in, course); });
-  if (what == 3 && in->rotation != 0 && args.balanced == 0)
-    return same_on_all("trial", [&](const KernelTable& k) { return run_trial(k, *in, args, periodic); });
+  if (what == 3 && in->rotation != 0 && args.balanced == 0) {
+    same_on_all("trial", [&](const KernelTable& k) { return run_trial(k, *in, args, periodic); });
+    LawArgs late = args;
+    late.total = was & 1U;
+    late.start = was >> 1 & 1U;
+    const int room = static_cast<int>(was >> 2) % 16;
+    return same_on_all("late contacts", [&](const KernelTable& k) { return run_late(k, *in, late, periodic, room); });
+  }
   static constexpr ContactModel k_models[] = {ContactModel::linear, ContactModel::hertz_mindlin, ContactModel::jkr,
                                               ContactModel::hertz_mindlin};
   ContactLaw chosen;

@@ -133,6 +133,81 @@ TEST(PhysicsLedger, OfAGrainBetweenTwoPlatesIsTheirTwoSpringsHoweverOftenOneLook
   }
 }
 
+/// A grain is pressed by d into the floor and into a second one that a lid holds; all are at rest but for what ends.
+struct Pressed {
+  static constexpr double r = 0.005, k = 1e5, d = 1.95e-4, spring = 0.5 * k * d * d;
+  Scene s = open_scene({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}, 1e-6);
+  Pressed() {
+    linear_restitution(s, k, 1);
+    s.walls = {plane("floor", {0, 0, 0}, {0, 0, 1}), plane("lid", {0, 0, 4 * r - 3 * d}, {0, 0, -1})};
+    s.output.energies = true;
+    s.allow_initial_overlap = true;
+    add_grains(s, {{{0, 0, r - d}, {}, r}, {{0, 0, 3 * r - 2 * d}, {}, r}});
+    s.groups.resize(1);
+    s.groups[0].name = "both";
+  }
+  void event(Event::Action action, double time, std::array<std::int64_t, 2> ids = {0, 1}) {
+    s.groups[0].ids = {ids[0], ids[1]};
+    Event e;
+    e.action = action;
+    e.time = time;
+    e.group = 0;
+    s.events.push_back(e);
+  }
+  /// Energy brought in, and the largest residual until step 200, both over that of a spring.
+  std::array<double, 2> run() {
+    Simulation sim(s, options());
+    double residual = 0;
+    for (int n = 0; n < 200; ++n) {
+      sim.run(1);
+      residual = std::max(residual, std::fabs(sim.energies().residual) / spring);
+    }
+    return {sim.energies().inserted / spring, residual};
+  }
+};
+
+// The springs of contacts that an event or a wall ends are taken out of the balance, those that it begins are put in.
+TEST(PhysicsLedger, CountsTheSpringsOfContactsThatEventsAndWallsEndAndBegin) {
+  constexpr double exact = 1e-9, moving = 1e-3;  // of a spring; of what moves (w dt)^2 = 3 k/m dt^2 = 2e-4
+  {
+    Pressed p;  // their contact is in no list while both are held, their walls go on
+    p.event(Event::Action::freeze, 5e-5);
+    const auto [in, residual] = p.run();
+    EXPECT_NEAR(in, -3, exact) << "a held grain has no contact with a wall either";
+    EXPECT_LT(residual, exact);
+  }
+  {
+    Pressed p;
+    p.event(Event::Action::freeze, 5e-5);
+    p.event(Event::Action::release, 1e-4);
+    const auto [in, residual] = p.run();
+    EXPECT_NEAR(in, 0, exact);
+    EXPECT_LT(residual, exact);
+  }
+  {
+    Pressed p;
+    p.event(Event::Action::remove, 5e-5);
+    const auto [in, residual] = p.run();
+    EXPECT_NEAR(in, -3, exact);
+    EXPECT_LT(residual, exact);
+  }
+  {
+    Pressed p;
+    p.event(Event::Action::remove, 5e-5, {1, 1});
+    const auto [in, residual] = p.run();
+    EXPECT_NEAR(in, -2, exact);
+    EXPECT_LT(residual, moving);
+  }
+  for (const bool appears : {false, true}) {
+    Pressed p;
+    (appears ? p.s.walls[1].appear : p.s.walls[1].vanish) = 5e-5;
+    if (appears) p.s.walls[0].appear = 5e-5;
+    const auto [in, residual] = p.run();
+    if (!appears) EXPECT_NEAR(in, -1, exact);
+    EXPECT_LT(residual, moving);
+  }
+}
+
 TEST(PhysicsLedger, OfAnOedometerClosesHoweverOftenOneLooks) {
   // 4^3 grains in a box of their own width, pressed together by 3 % from above.
   constexpr double r = 0.005, side = 8 * r;

@@ -190,6 +190,22 @@ TEST(Laser, ABeamBesideTheDomainIsSaid) {
   EXPECT_EQ(said, 1);
 }
 
+TEST(Laser, HeatsNothingBeyondWhatAnyMatterBears) {
+  for (const double power : {0.5, 1e6}) {  // [W]
+    Scene s = metal({{0, 0, 0}}, 1e-6);
+    s.heat.lasers = {beam(power, k_R, 1)};
+    Simulation sim(s, options());
+    std::string said;
+    try {
+      sim.run(200);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::physics);
+      said = e.what();
+    }
+    EXPECT_EQ(said.find("beyond all matter") != std::string::npos, power > 1) << said;
+  }
+}
+
 TEST(Laser, ABeamThatIsNeverOnIsSaid) {
   for (const bool late : {false, true}) {
     Scene s = metal({{0, 0, 0}}, 1e-6);

@@ -207,6 +207,18 @@ TEST(ClumpOfMesh, GrownSpheresHaveTheVolumeOfTheMesh) {
   EXPECT_LT(c.inertia_error, 0.05);
 }
 
+TEST(ClumpOfMesh, AMeshBelowTheSizeOfAtomsIsRefusedBeforeAnyWork) {
+  MeshFrame small;
+  small.scale = 1e-11;
+  try {
+    clump_of_mesh(parse_mesh(box_obj(false), "box.obj", small, 0), {10, 400, true});
+    FAIL() << "accepted";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::scene);
+    EXPECT_NE(std::string(e.what()).find("less than an atom"), std::string::npos) << e.what();
+  }
+}
+
 TEST(ClumpOfMesh, OpenAndTwistedMeshesAreRefusedByName) {
   std::string open = box_obj(false);
   open.resize(open.rfind("f "));

@@ -124,7 +124,7 @@ TEST(Superquadric, EllipsoidLeavesAPlaneAsItsImpulseSays) {
     w.dt = 2e-7;
     w.shape = superquadric("egg", "[0.001, 0.001, 0.002]");
     w.rest = source("one", 1, "[0.02, 0.02, 0.0016]", "[0.027, 0.027, 0.0066]",
-                    "shape = \"egg\"\nvelocity = [0, 0, -1]\norientation = \"fixed\"\norientation_axis = [1, 0, 1]");
+                    "shape = \"egg\"\nvelocity = [0, 0, -1]\norientation = \"aligned\"\norientation_axis = [1, 0, 1]");
     if (mesh)
       w.rest +=
           "[[wall]]\nname = \"floor\"\nshape = \"box\"\nlower = [0.001, 0.001, 0.0002]\nupper = [0.049, 0.049, "

@@ -66,7 +66,11 @@ void check_beside_heat(const SceneTable& root, const Scene& scene) {
 void read(const SceneTable& root, Scene& scene) {
   ConversionScene& c = scene.conversion;
   c.on = root.has("conversion");
-  if (c.on) k_conversion.read(root.section("conversion"), c);
+  if (c.on) {
+    const SceneTable r = root.section("conversion");
+    k_conversion.read(r, c);
+    if (r.has("gone_below") && !c.resize) r.fail("gone_below", "has no effect with resize = false: radii stay");
+  }
   bool any = false;
   for (const SceneTable& m : root.sections("material")) {
     MaterialGrain g;

@@ -1,4 +1,6 @@
 // [domain] and [[material]].
+#include <algorithm>
+
 #include "core/scene/sections/sections.hpp"
 
 namespace talus {
@@ -70,7 +72,20 @@ void read_domain(const SceneTable& r, const std::vector<std::string>& materials,
     if ((d.boundary[k][0] == Boundary::periodic) != (d.boundary[k][1] == Boundary::periodic))
       r.fail("boundary", "an axis is periodic on both sides or on none");
   }
-  if (r.has("wall_material")) d.wall_material = r.index("wall_material", materials, "material");
+  if (!r.has("wall_material")) return;
+  d.wall_material = r.index("wall_material", materials, "material");
+  const auto wall = [](const auto& axis) { return axis[0] == Boundary::wall || axis[1] == Boundary::wall; };
+  if (std::none_of(d.boundary.begin(), d.boundary.end(), wall))
+    r.fail("wall_material", "has no effect: no side of the domain is a wall");
+}
+
+bool is_side(const Domain& domain, const std::string& name) {
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t side = 0; side < 2; ++side)
+      if (domain.boundary[k][side] == Boundary::wall &&
+          name == fmt::format("domain_{}_{}", "xyz"[k], side == 0 ? "lower" : "upper"))
+        return true;
+  return false;
 }
 
 std::vector<std::string> read_materials(const std::vector<SceneTable>& list, const SceneTable& root, Scene& scene) {

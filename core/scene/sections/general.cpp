@@ -81,10 +81,12 @@ const Keys<MonitorSettings> k_monitor(
             "has 6. Normal springs alone are surely unstable from 12 on, which stops",
             "1"),
         key("warn_energy", &MonitorSettings::warn_energy, "-", k_positive,
-            "energy balance residual / energy turned over that warns (with output.energies)", "0.01"),
+            "energy balance residual / energy turned over that warns (with output.energies)", "0.01")
+            .with("[output]\nenergies = true\n"),
         key("max_energy", &MonitorSettings::max_energy, "-", k_positive,
             "energy balance residual / energy turned over that stops the run (with output.energies)", "0.5")
-            .absent("(never)"),
+            .absent("(never)")
+            .with("[output]\nenergies = true\n"),
     });
 
 const Keys<RelaxSettings> k_relax(
@@ -96,7 +98,8 @@ const Keys<RelaxSettings> k_relax(
             "velocities are dropped, and overlaps of any depth are accepted",
             "2000"),
         key("displacement", &RelaxSettings::displacement, "-", {0, 0.5, true},
-            "largest displacement of a particle per relaxing step / its radius", "0.01"),
+            "largest displacement of a particle per relaxing step / its radius", "0.01")
+            .beside("steps = 2000"),
     });
 
 }  // namespace
@@ -125,9 +128,14 @@ void read_damping(const SceneTable& r, Scene& scene) { k_damping.read(r, scene);
 void read_checks(const SceneTable& r, Scene& scene) {
   k_checks.read(r, scene);
   k_monitor.read(r, scene.monitor);
+  for (const char* name : {"warn_energy", "max_energy"})
+    if (r.has(name) && !scene.output.energies) r.fail(name, "has no effect without output.energies = true");
 }
 
-void read_relax(const SceneTable& r, Scene& scene) { k_relax.read(r, scene.relax); }
+void read_relax(const SceneTable& r, Scene& scene) {
+  k_relax.read(r, scene.relax);
+  if (r.has("displacement") && !r.has("steps")) r.fail("displacement", "has no effect without 'steps'");
+}
 
 void check_box(const SceneTable& r, Vec3 lower, Vec3 upper) {
   for (int k = 0; k < 3; ++k) {

@@ -49,7 +49,9 @@ const Keys<General> k_heat(
             .absent("(required unless every material gives it)")
             .usual("", "none")
             .also({"thermal_conductivity"}),
-        key("emissivity", &General::emissivity, "-", k_share, "of the surfaces of materials that give none", "0.85"),
+        key("emissivity", &General::emissivity, "-", k_share,
+            "of the surfaces of materials that give none; needs [heat.radiation]", "0.85")
+            .with("[heat.radiation]\nenclosure = 1200\n"),
         key("young", &General::young, "Pa", k_positive,
             "real modulus of materials that give none: contacts of a softened model are too wide, and conduct as real "
             "ones would",
@@ -79,9 +81,9 @@ const Keys<MatterHeat> k_material(
             "{ table = [[300, 1.1], [800, 1.6]] }")
             .absent("(heat.conductivity)")
             .with(k_with),
-        key("emissivity", &MatterHeat::emissivity, "-", k_share, "of the surface", "0.9")
+        key("emissivity", &MatterHeat::emissivity, "-", k_share, "of the surface; needs [heat.radiation]", "0.9")
             .absent("(heat.emissivity)")
-            .with(k_with),
+            .with("[heat]\ntemperature = 300\ncapacity = 800\nconductivity = 1\n[heat.radiation]\nenclosure = 1200\n"),
         key("young", &MatterHeat::young, "Pa", k_positive, "real modulus", "7e10").absent("(heat.young)").with(k_with),
         key("expansion", &MatterHeat::expansion, "1/K", {0, 1e-2},
             "rise of the radius per rise of the temperature: radius = a (1 + expansion T), where a source gives the "
@@ -187,22 +189,12 @@ const Keys<RadiationHeat> k_radiation(
             .absent("(none)"),
     });
 
-/// Names of the sides that are walls, as the engine calls them.
-bool is_side(const Scene& scene, const std::string& name) {
-  for (std::size_t k = 0; k < 3; ++k)
-    for (std::size_t side = 0; side < 2; ++side)
-      if (scene.domain.boundary[k][side] == Boundary::wall &&
-          name == fmt::format("domain_{}_{}", "xyz"[k], side == 0 ? "lower" : "upper"))
-        return true;
-  return false;
-}
-
 void read_wall(const SceneTable& r, Scene& scene) {
   WallHeat w;
   k_wall.read(r, w);
   const auto same = [&](const auto& other) { return other.wall == w.wall; };
   if (std::none_of(scene.walls.begin(), scene.walls.end(), [&](const WallSpec& s) { return s.name == w.wall; }) &&
-      !is_side(scene, w.wall))
+      !is_side(scene.domain, w.wall))
     r.fail("wall", "no such wall, nor a side of the domain that is one");
   if (std::any_of(scene.heat.walls.begin(), scene.heat.walls.end(), same)) r.fail("wall", "is given twice");
   r.exclusive("temperature", "flux");
@@ -218,6 +210,23 @@ void check_melting(const SceneTable& material, const MatterHeat& m) {
   for (const char* name : {"latent_heat", "solidus", "liquidus"})
     if (!material.has(name)) material.missing(name, "since a material that melts needs latent_heat, solidus, liquidus");
   if (m.liquidus < m.solidus) material.fail("liquidus", "must not be below the solidus");
+}
+
+/// What all materials say themselves, or nothing asks for, is read by nobody.
+void refuse_unused(const SceneTable& heat, const std::vector<SceneTable>& materials) {
+  for (const char* name : {"capacity", "conductivity", "emissivity", "young"}) {
+    const bool of_grains = std::string_view(name) == "capacity" || std::string_view(name) == "conductivity";
+    const auto own = [&](const SceneTable& m) {
+      return (m.has("heat") && m.section("heat").has(name)) || (of_grains && m.has("grain"));
+    };
+    if (heat.has(name) && std::all_of(materials.begin(), materials.end(), own))
+      heat.fail(name, "has no effect: every material has its own");
+    if (std::string_view(name) != "emissivity" || heat.has("radiation")) continue;
+    constexpr const char* nothing = "has no effect without [heat.radiation]";
+    if (heat.has(name)) heat.fail(name, nothing);
+    for (const SceneTable& m : materials)
+      if (m.has("heat") && m.section("heat").has(name)) m.section("heat").fail(name, nothing);
+  }
 }
 
 /// Materials take what they lack from [heat].
@@ -243,7 +252,7 @@ void read_matter(const SceneTable& heat, const std::vector<SceneTable>& material
   }
 }
 
-void check_young(const SceneTable& heat, const Scene& scene) {
+void check_young(const SceneTable& root, const SceneTable& heat, const Scene& scene) {
   const auto given = [](const MatterHeat& m) { return m.young > 0; };
   const auto& all = scene.heat.matter;
   if (std::any_of(all.begin(), all.end(), given) && !std::all_of(all.begin(), all.end(), given))
@@ -251,6 +260,17 @@ void check_young(const SceneTable& heat, const Scene& scene) {
   if (heat.has("softening") && !given(all.front())) heat.fail("softening", "has no effect without young");
   if (heat.has("softening") && scene.contact.normal_stiffness > 0)
     heat.fail("softening", "has no effect with the linear law, whose force is taken as the load");
+  const std::vector<SceneTable> materials = root.sections("material");
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const Material& m = scene.materials[k];
+    if (!(all[k].young > 0) || !(m.young > all[k].young)) continue;
+    const bool own = materials[k].has("heat") && materials[k].section("heat").has("young");
+    (own ? materials[k].section("heat") : heat)
+        .fail("young",
+              fmt::format("is the real modulus, which a model softens and never stiffens: at least the {:g} Pa "
+                          "of material '{}'",
+                          m.young, m.name));
+  }
 }
 
 void check_pace(const SceneTable& root, const SceneTable& heat, const HeatScene& h) {
@@ -279,7 +299,8 @@ void read(const SceneTable& root, Scene& scene) {
   HeatScene& h = scene.heat = general;
   h.on = true;
   read_matter(r, root.sections("material"), general, h);
-  check_young(r, scene);
+  refuse_unused(r, root.sections("material"));
+  check_young(root, r, scene);
   check_pace(root, r, h);
   const std::vector<SceneTable> sources = root.sections("source");
   for (const SceneTable& s : sources) {

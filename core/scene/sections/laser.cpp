@@ -61,6 +61,13 @@ const Keys<Laser> k_laser(
 
 constexpr double k_most_travel = 0.5;  // of the radius, per heat step
 
+double way_of(const Laser& l) {
+  double way = 0;
+  for (std::size_t k = 1; k < l.x.size(); ++k)
+    way += __builtin_fabs(l.x[k] - l.x[k - 1]) + __builtin_fabs(l.y[k] - l.y[k - 1]);
+  return way;
+}
+
 void read_laser(const SceneTable& r, Scene& scene) {
   Laser l;
   l.stop = k_never;
@@ -69,12 +76,16 @@ void read_laser(const SceneTable& r, Scene& scene) {
   if (l.y.size() != l.x.size()) r.fail("y", fmt::format("must have as many numbers as x, {}", l.x.size()));
   if (l.x.size() > 1 && !r.has("speed")) r.missing("speed", "since there are several way points");
   if (l.x.size() == 1 && r.has("speed")) r.fail("speed", "has no effect with one way point");
+  if (l.x.size() > 1 && way_of(l) == 0)
+    r.fail("x", "all way points are one place: the way ends where it begins, give one point");
   if (!(l.stop > l.start)) r.fail("stop", "must be later than start");
   const double travel = l.speed * scene.dt * static_cast<double>(scene.heat.every);
+  const double most = k_most_travel * l.radius / (l.speed * scene.dt), steps = __builtin_floor(most);
   if (travel > k_most_travel * l.radius)
-    r.fail("speed", fmt::format("moves the beam by {:.2g} of its radius per heat step, {} at most: heat.every = {:.0f}",
+    r.fail("speed", fmt::format("moves the beam by {:.2g} of its radius per heat step, {} at most: {}",
                                 travel / l.radius, k_most_travel,
-                                __builtin_floor(k_most_travel * l.radius / (l.speed * scene.dt))));
+                                steps >= 1 ? fmt::format("heat.every = {:.0f}", steps)
+                                           : fmt::format("heat.every = 1 and time.step = {:.3g}", most * scene.dt)));
   const Vec3 size = scene.domain.upper - scene.domain.lower;
   for (int k = 0; k < 2; ++k)
     if (scene.domain.periodic(k) && 4 * l.radius > size[k])

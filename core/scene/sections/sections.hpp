@@ -45,6 +45,8 @@ Region read_region(const SceneTable& r, RegionOf place);
 /// A region that only counts where it meets the domain; `within`: on axes that are not periodic it lies in it.
 Region read_region(const SceneTable& r, RegionOf place, const Domain& domain, bool within);
 
+/// A side of the domain that is a wall, by the name that the engine gives it ("domain_x_lower").
+bool is_side(const Domain& domain, const std::string& name);
 void check_box(const SceneTable& r, Vec3 lower, Vec3 upper);
 /// Names must be unique, since other sections refer to them. `fallback`: where none is given.
 std::string unique_name(const SceneTable& r, const std::string& fallback, std::vector<std::string>& names);

@@ -71,15 +71,19 @@ const Keys<Source> k_source(
             .only(k_made)
             .with("[[shape]]\nname = \"rod\"\nspheres = [0, 0, -0.01, 0.01, 0, 0, 0.01, 0.01]\n"),
         key("orientation", &Source::orientation,
-            "how bodies lie at first; random: all turns alike; fixed: the shape's z axis along orientation_axis; axis: "
-            "the same, turned about it at random",
+            "how bodies lie when they come, from where they turn freely; random: all turns alike; aligned: the shape's "
+            "z "
+            "axis along orientation_axis, all bodies alike; axis: the same, turned about it at random. What may not "
+            "turn "
+            "is frozen or driven (event.action)",
             "\"axis\"")
             .only(k_made)
+            .meaning({{"fixed", "aligned"}, {"upright", "aligned"}, {"given", "aligned"}})
             .beside("shape = \"rod\"")
             .with("[[shape]]\nname = \"rod\"\nspheres = [0, 0, -0.01, 0.01, 0, 0, 0.01, 0.01]\n"),
-        direction_key("orientation_axis", &Source::orientation_axis, "along which the z axis of a shape lies",
-                      "[1, 0, 0]")
-            .only("orientation=fixed|axis")
+        direction_key("orientation_axis", &Source::orientation_axis,
+                      "along which the z axis of a shape lies when it comes", "[1, 0, 0]")
+            .only("orientation=aligned|axis")
             .beside("shape = \"rod\"")
             .with("[[shape]]\nname = \"rod\"\nspheres = [0, 0, -0.01, 0.01, 0, 0, 0.01, 0.01]\n"),
     });

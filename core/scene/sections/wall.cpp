@@ -1,4 +1,6 @@
 // [[wall]] and [wall.motion].
+#include <algorithm>
+
 #include "core/scene/sections/sections.hpp"
 
 namespace talus {
@@ -72,6 +74,7 @@ const Keys<WallMotion> k_motion(
     {
         key("velocity", &WallMotion::velocity, "m/s", k_finite, "translation", "[0.1, 0, 0]"),
         direction_key("rotation_axis", &WallMotion::rotation_axis, "axis of rotation", "[0, 1, 0]")
+            .beside("rotation_rate = 6.28")
             .also({{"axis", "motion"}}),
         key("rotation_rate", &WallMotion::rotation_rate, "rad/s", k_finite, "rate of rotation about the axis", "6.28")
             .also({{"omega", "", "in rad/s"},
@@ -80,19 +83,37 @@ const Keys<WallMotion> k_motion(
                    {"rotation", "", "in rad/s"}}),
         key("rotation_origin", &WallMotion::rotation_origin, "m", k_coordinate, "a point of the axis of rotation",
             "[0.5, 0.5, 0]")
+            .beside("rotation_rate = 6.28")
             .also({{"origin", "motion"}}),
         key("amplitude", &WallMotion::amplitude, "m", k_coordinate, "displacement amplitude of the vibration",
-            "[0, 0, 0.0002]"),
-        key("frequency", &WallMotion::frequency, "Hz", k_not_negative, "frequency of the vibration", "50"),
-        key("phase", &WallMotion::phase, "turns", {-1, 1}, "phase of the vibration at its start", "0.25"),
-        key("start", &WallMotion::start, "s", k_not_negative, "the motion begins", "0.1"),
-        key("end", &WallMotion::end, "s", k_not_negative, "the motion ends", "0.6").absent("(never)"),
+            "[0, 0, 0.0002]")
+            .beside("frequency = 50"),
+        key("frequency", &WallMotion::frequency, "Hz", k_not_negative, "frequency of the vibration", "50")
+            .beside("amplitude = [0, 0, 0.0002]"),
+        key("phase", &WallMotion::phase, "turns", {-1, 1}, "phase of the vibration at its start", "0.25")
+            .beside("amplitude = [0, 0, 0.0002]\nfrequency = 50"),
+        key("start", &WallMotion::start, "s", k_not_negative, "the motion begins", "0.1")
+            .beside("velocity = [0.1, 0, 0]"),
+        key("end", &WallMotion::end, "s", k_not_negative, "the motion ends", "0.6")
+            .absent("(never)")
+            .beside("velocity = [0.1, 0, 0]"),
     });
 
 WallMotion read_motion(const SceneTable& r) {
   WallMotion m;
   k_motion.read(r, m);
   if (!(m.end > m.start)) r.fail("end", "must be after 'start'");
+  // a zero may be one of a study's values; what is not given has been forgotten
+  const auto needs = [&](std::initializer_list<const char*> names, std::initializer_list<const char*> one_of,
+                         const char* words) {
+    if (std::any_of(one_of.begin(), one_of.end(), [&](const char* other) { return r.has(other); })) return;
+    for (const char* name : names)
+      if (r.has(name)) r.fail(name, fmt::format("has no effect without {}", words));
+  };
+  needs({"amplitude", "phase"}, {"frequency"}, "'frequency'");
+  needs({"frequency", "phase"}, {"amplitude"}, "'amplitude'");
+  needs({"rotation_axis", "rotation_origin"}, {"rotation_rate"}, "'rotation_rate'");
+  needs({"start", "end"}, {"velocity", "rotation_rate", "amplitude"}, "'velocity', 'rotation_rate' or 'amplitude'");
   return m;
 }
 
@@ -138,7 +159,10 @@ const SectionKeys& wall_motion_keys() { return k_motion; }
 
 void read_walls(const std::vector<SceneTable>& list, const std::vector<std::string>& materials, Scene& scene) {
   std::vector<std::string> names;
-  for (const SceneTable& r : list) scene.walls.push_back(read_wall(r, materials, names));
+  for (const SceneTable& r : list) {
+    scene.walls.push_back(read_wall(r, materials, names));
+    if (is_side(scene.domain, names.back())) r.fail("name", "is the name of a side of the domain, which is a wall too");
+  }
 }
 
 }  // namespace talus
