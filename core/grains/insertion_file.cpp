@@ -29,6 +29,13 @@ void Insertion::read_file(std::size_t s) {
   ParticleFile file = read_particle_file(path, scene_.materials, scene_.shapes, source.shape);
   NewParticles& p = files_[s];
   const std::size_t n = file.size();
+  const auto check_tiles = [&](std::size_t particles) {
+    constexpr std::size_t most = std::numeric_limits<std::int32_t>::max();
+    if (tiles(s) <= most / particles) return;
+    throw Error(ErrorCode::scene, fmt::format("{} tiles of {} particles are too many", tiles(s), particles),
+                fmt::format("source '{}': tile", source.name), fmt::format("allowed: {} particles in all", most));
+  };
+  check_tiles(n);
   const bool tiled = tiles(s) > 1;
   const Vec3 size = tile_size(s);
   for (std::string& note : file.notes) notes_.push_back(std::move(note));
@@ -56,10 +63,7 @@ void Insertion::read_file(std::size_t s) {
     }
   }
   take_rows(s, path, file);
-  constexpr std::size_t most = std::numeric_limits<std::int32_t>::max();
-  if (tiles(s) > most / p.size())
-    throw Error(ErrorCode::scene, fmt::format("{} tiles of {} particles are too many", tiles(s), p.size()),
-                fmt::format("source '{}': tile", source.name), fmt::format("allowed: {} particles in all", most));
+  check_tiles(p.size());
 }
 
 std::size_t Insertion::tiles(std::size_t s) const {

@@ -2,11 +2,8 @@
 // has written comes back.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "core/base/error.hpp"
 #include "core/io/particle_export.hpp"
@@ -15,23 +12,6 @@
 
 namespace talus {
 namespace {
-
-/// A table that is gone at the end of the test.
-class Table {
- public:
-  explicit Table(const std::string& text) {
-    static int number = 0;
-    path_ = std::filesystem::temp_directory_path() / fmt::format("talus_bodies_{}_{}.csv", getpid(), number++);
-    std::ofstream(path_) << text;
-  }
-  ~Table() { std::filesystem::remove(path_); }
-  std::string source(const std::string& more = {}) const {
-    return "[[source]]\nkind = \"file\"\nfile = \"" + path_.string() + "\"\n" + more + "\n";
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 constexpr const char* k_shapes = R"(
 [[shape]]

@@ -2,11 +2,8 @@
 // surface, capacity by their true mass.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <map>
 
 #include "core/base/error.hpp"
@@ -80,22 +77,6 @@ TEST(SurfaceArea, OfClumpsCountsWhatIsHiddenOnce) {
 
 // --- scenes
 // -----------------------------------------------------------------------------------------------------------
-
-class Table {
- public:
-  explicit Table(const std::string& text) {
-    static int number = 0;
-    path_ = std::filesystem::temp_directory_path() / fmt::format("talus_body_heat_{}_{}.csv", getpid(), number++);
-    std::ofstream(path_) << text;
-  }
-  ~Table() { std::filesystem::remove(path_); }
-  std::string source(const std::string& more = {}) const {
-    return "[[source]]\nkind = \"file\"\nfile = \"" + path_.string() + "\"\n" + more + "\n";
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 constexpr double k_density = 2000, k_capacity = 800, k_conductivity = 5;
 
