@@ -322,7 +322,7 @@ void Heat::add_conductivities(const PartView& w, std::vector<PartValue>& out) co
 
 HeatState::HeatState(const Rules& rules) : scene(rules.scene.heat) {
   pace.steps = scene.every;
-  if (rules.has.bodies) areas = areas_of_shapes(rules.scene);
+  if (rules.has.bodies) sizes.areas = areas_of_shapes(rules.scene);
   const double cold = coldest(scene);
   for (const MatterHeat& m : scene.matter) {
     HeatMatter q;

@@ -53,6 +53,7 @@ struct HeatMelt {
 };
 struct HeatSizes {
   bool any = false;
+  std::vector<double> areas;   ///< by shape of bodies, of scale 1 [m2]
   Column<double> radii, next;  ///< [3 n]: radius at the last heat step, to come at the next one, at 0 K [m]
 };
 /// What a unit of conductance receives of a given flux, by heat.wall entries [K], of a step; for contact files.
@@ -76,7 +77,6 @@ struct HeatState {
   std::vector<HeatMatter> matter;
   std::vector<HeatPair> pairs;  ///< materials squared
   std::vector<char> shells;     ///< by material: the part conversion computes its grains
-  std::vector<double> areas;    ///< by shape, of scale 1 [m2]
   bool any_held = false;
 
   Column<double> temperature, next_temperature, enthalpy, next_enthalpy;  ///< [K], [J]

@@ -9,7 +9,7 @@ double HeatState::surface(const PartView& w, Row i) const {
   if (b < 0) return 4 * det::k_pi * (r * r);
   if (!w.rows.leads(i)) return 0;
   const double scale = w.rows.bodies.scale(b);
-  return areas[static_cast<std::size_t>(w.rows.bodies.shape[static_cast<std::size_t>(b)])] * (scale * scale);
+  return sizes.areas[static_cast<std::size_t>(w.rows.bodies.shape[static_cast<std::size_t>(b)])] * (scale * scale);
 }
 
 GasNear given_gas(const HeatState& s, const PartView& w, Row i) {
