@@ -141,6 +141,7 @@ Input open_input(const std::string& path, const RunOptions& engine) {
   if (extension == ".tcp") {
     const Stored stored = open_stored(path);
     in.single = Simulation(stored.scene, engine, stored.checkpoint).frame({});
+    if (!in.scene) in.scene = stored.scene;
   } else if (is_text_frames(path)) {
     in.text = read_text_frames(path);
     for (const std::string& note : in.text->notes) tell("talus: note: {}\n", note);
@@ -185,7 +186,8 @@ void write_text(const Input& in, Format format, const std::string& to, std::size
   AtomicFile out(to);
   for (std::size_t k = first; k <= last; ++k) {
     const Frame f = in.frame(k);
-    out.write(format == Format::csv    ? csv_text(f)
+    out.write(format == Format::csv
+                  ? csv_text(f, in.scene ? std::span<const ShapeSpec>(in.scene->shapes) : std::span<const ShapeSpec>())
               : format == Format::dump ? lammps_dump_text(f, in.domain(k))
                                        : extended_xyz_text(f, in.domain(k), materials));
   }
@@ -200,6 +202,7 @@ std::string left_out(const Frame& f, Format format) {
   if (other && !f.fixed.empty()) name("fixed");
   if (other && !f.coordination.empty()) name("coordination");
   if ((csv || other) && !f.stress.empty()) name("stress");
+  if (!csv && !f.bodies.empty()) name("bodies: particles are their spheres");
   return list;
 }
 

@@ -45,7 +45,7 @@ struct BodyRecord {
   std::int32_t shape = 0;                         ///< index into scene.shapes
   double scale = 1, mass = 0;                     ///< mass [kg]
   Vec3 x, v, w;                                   ///< of the centre of mass [m], [m/s] (at n-1/2), [rad/s]
-  std::array<double, 4> orientation{1, 0, 0, 0};  ///< quaternion w, x, y, z from the principal axes to space
+  std::array<double, 4> orientation{1, 0, 0, 0};  ///< quaternion w, x, y, z from the axes of the [[shape]] to space
   Vec3 semi_axes;                                 ///< of a superquadric [m]; 0: a clump
   std::array<double, 2> exponents{0, 0};          ///< n1, n2
 };
@@ -69,6 +69,7 @@ struct Frame {
   std::vector<std::array<double, 6>> stress;  ///< on request: xx yy zz xy xz yz [Pa], sum over contacts of f l / volume
   std::vector<ExtraColumn> extra;             ///< of optional parts, in the order of their list
   std::vector<BodyRecord> bodies;             ///< in id order; particles are their spheres
+  bool bodies_missing = false;                ///< of a file beside which theirs is not there
   std::vector<ContactRecord> contacts;        ///< on request
   std::vector<ExtraColumn> contact_extra;     ///< the same of contacts; a value per entry of `contacts`
   std::vector<WallSurface> walls;             ///< current pose; empty without walls

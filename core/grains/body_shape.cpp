@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "core/base/det_math.hpp"
@@ -203,11 +204,26 @@ double largest_share(const Scene& scene, std::size_t source) {
   return c.largest / c.equal_radius;
 }
 
-bool makes_superquadrics(const Scene& scene) {
-  for (const Source& s : scene.sources)
-    if (s.shape >= 0 && scene.shapes[static_cast<std::size_t>(s.shape)].kind == ShapeSpec::Kind::superquadric)
-      return true;
+namespace {
+
+/// Some shape of which grains may be made is one of these.
+template <class Test>
+bool makes(const Scene& scene, Test&& test) {
+  for (const Source& s : scene.sources) {
+    if (s.shape >= 0 && test(scene.shapes[static_cast<std::size_t>(s.shape)])) return true;
+    if (s.kind == Source::Kind::file && std::any_of(scene.shapes.begin(), scene.shapes.end(), test)) return true;
+  }
   return false;
+}
+
+}  // namespace
+
+bool makes_bodies(const Scene& scene) {
+  return makes(scene, [](const ShapeSpec&) { return true; });
+}
+
+bool makes_superquadrics(const Scene& scene) {
+  return makes(scene, [](const ShapeSpec& s) { return s.kind == ShapeSpec::Kind::superquadric; });
 }
 
 Quaternion first_turn(const Scene& scene, std::size_t source, std::int64_t number) {

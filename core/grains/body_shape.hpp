@@ -57,7 +57,8 @@ void set_natural_sizes(Scene& scene);
 double smallest_share(const Scene& scene, std::size_t source);
 double largest_share(const Scene& scene, std::size_t source);
 
-/// Some source makes superquadrics.
+/// Some source makes bodies, or superquadrics. A file may hold any of the scene's shapes.
+bool makes_bodies(const Scene& scene);
 bool makes_superquadrics(const Scene& scene);
 
 /// Turn of body `number` of a source from the principal axes to space: a function of the seed and these numbers.

@@ -68,7 +68,7 @@ NewParticles Insertion::initial(const WallSet* walls) {
   out.source.reserve(total);
   for (std::size_t s = 0; s < scene_.sources.size(); ++s) {
     append_tiles(s, out);
-    state_[s].number += static_cast<std::int64_t>(files_[s].size() * tiles(s));
+    state_[s].number += files_[s].grains() * static_cast<std::int64_t>(tiles(s));
   }
   if (out.size() > 0) check_overlaps(out, SourceWalls(scene_.domain, walls));
   for (std::size_t s = 0; s < scene_.sources.size(); ++s) {
@@ -130,7 +130,13 @@ NewParticles Insertion::batch(std::int64_t n, const PresentParticles& present, c
 
 const BodyShape* Insertion::shape_of(std::size_t s) const {
   const int shape = scene_.sources[s].shape;
-  return shape < 0 ? nullptr : scene_.shapes[static_cast<std::size_t>(shape)].body.get();
+  return shape < 0 || scene_.sources[s].kind == Source::Kind::file
+             ? nullptr
+             : scene_.shapes[static_cast<std::size_t>(shape)].body.get();
+}
+
+const BodyShape& Insertion::shape_of(const NewBody& b) const {
+  return *scene_.shapes[static_cast<std::size_t>(b.shape)].body;
 }
 
 std::vector<char> Insertion::materials() const {
@@ -148,6 +154,7 @@ double Insertion::smallest_radius() const {
     if (scene_.sources[s].kind != Source::Kind::file)
       smallest = fmin2(smallest, 0.5 * scene_.sources[s].size.smallest() * smallest_share(scene_, s));
     for (double r : files_[s].r) smallest = fmin2(smallest, r);
+    for (const NewBody& b : files_[s].bodies) smallest = fmin2(smallest, b.scale * shape_of(b).smallest);
   }
   return smallest == k_never ? 0 : smallest;
 }
@@ -167,6 +174,8 @@ double Insertion::largest_reach() const {
   for (std::size_t s = 0; s < scene_.sources.size(); ++s)
     if (const BodyShape* c = shape_of(s))
       largest = fmax2(largest, 0.5 * scene_.sources[s].size.largest() * (c->bound / c->equal_radius));
+  for (const NewParticles& p : files_)
+    for (const NewBody& b : p.bodies) largest = fmax2(largest, b.scale * shape_of(b).bound);
   return largest;
 }
 

@@ -23,6 +23,8 @@ struct NewBody {
   double scale = 1, mass = 0;         ///< mass [kg]
   Vec3 x, v;                          ///< of the centre of mass [m], [m/s]
   shapes::Quaternion turn;            ///< from the principal axes to space
+  Vec3 w{};                           ///< [rad/s]
+  bool fixed = false;                 ///< held
 };
 
 /// Particles to append, in id order. All vectors have the same length.
@@ -54,6 +56,7 @@ class Occupied;
 class WallSet;
 class SourceWalls;
 class ClosedWalls;
+struct ParticleFile;
 
 /// A stream that could not place in a batch what was due: placed of wanted particles; the rest waits for room.
 struct Shortfall {
@@ -109,6 +112,10 @@ class Insertion {
   void check_memory() const;
   // insertion_file.cpp
   void read_file(std::size_t source);
+  // insertion_bodies.cpp
+  void take_rows(std::size_t source, const std::string& path, ParticleFile& file);
+  NewBody body_of_row(const std::string& path, const ParticleFile& file, std::size_t row, int material) const;
+  void place_spheres(const NewBody& body, NewParticles& p) const;
   std::size_t tiles(std::size_t source) const;
   Vec3 tile_size(std::size_t source) const;  ///< [m]
   void append_tiles(std::size_t source, NewParticles& out) const;
@@ -125,7 +132,8 @@ class Insertion {
   void deliver(std::size_t source, Vec3 x, double r, NewParticles& out);
   void append(std::size_t source, Vec3 x, double r, Vec3 v, NewParticles& out) const;
   void append_body(std::size_t source, Vec3 x, double r, Vec3 v, NewParticles& out) const;
-  const BodyShape* shape_of(std::size_t source) const;  ///< null: spheres
+  const BodyShape* shape_of(std::size_t source) const;  ///< null: spheres, or a file
+  const BodyShape& shape_of(const NewBody& body) const;
   shapes::Quaternion turn_of(std::size_t source, std::int64_t number) const;
   void fill_lattice(std::size_t source, Site& site, NewParticles& out);
   void fill_random(std::size_t source, Site& site, NewParticles& out);

@@ -7,6 +7,7 @@
 
 #include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
+#include "core/grains/file_bodies.hpp"
 #include "core/grains/insertion.hpp"
 #include "core/grains/occupied.hpp"
 #include "core/grains/source_walls.hpp"
@@ -25,13 +26,16 @@ std::string source_path(const Scene& scene, const Source& s) {
 void Insertion::read_file(std::size_t s) {
   const Source& source = scene_.sources[s];
   const std::string path = source_path(scene_, source);
-  ParticleFile file = read_particle_file(path, scene_.materials);
+  ParticleFile file = read_particle_file(path, scene_.materials, scene_.shapes, source.shape);
   NewParticles& p = files_[s];
   const std::size_t n = file.size();
-  constexpr std::size_t most = std::numeric_limits<std::int32_t>::max();
-  if (tiles(s) > most / n)
-    throw Error(ErrorCode::scene, fmt::format("{} tiles of {} particles are too many", tiles(s), n),
+  const auto check_tiles = [&](std::size_t particles) {
+    constexpr std::size_t most = std::numeric_limits<std::int32_t>::max();
+    if (tiles(s) <= most / particles) return;
+    throw Error(ErrorCode::scene, fmt::format("{} tiles of {} particles are too many", tiles(s), particles),
                 fmt::format("source '{}': tile", source.name), fmt::format("allowed: {} particles in all", most));
+  };
+  check_tiles(n);
   const bool tiled = tiles(s) > 1;
   const Vec3 size = tile_size(s);
   for (std::string& note : file.notes) notes_.push_back(std::move(note));
@@ -58,11 +62,8 @@ void Insertion::read_file(std::size_t s) {
                   fmt::format("{}:{}", path, file.row[i]), fmt::format("allowed: {} to {}", low, high));
     }
   }
-  p.x = std::move(file.x);
-  p.v = std::move(file.v);
-  p.w = std::move(file.w);
-  p.r = std::move(file.r);
-  rows_[s] = std::move(file.row);
+  take_rows(s, path, file);
+  check_tiles(p.size());
 }
 
 std::size_t Insertion::tiles(std::size_t s) const {
@@ -88,6 +89,7 @@ void Insertion::append_tiles(std::size_t s, NewParticles& out) const {
     for (int b = 0; b < tile[1]; ++b) {
       for (int c = 0; c < tile[2]; ++c) {
         const Vec3 shift{a * size.x, b * size.y, c * size.z};
+        const auto before = static_cast<std::int32_t>(out.size());
         for (const Vec3& x : f.x) {
           Vec3 y = x + shift;
           // rounding must not carry the last tile through the domain's end
@@ -101,6 +103,13 @@ void Insertion::append_tiles(std::size_t s, NewParticles& out) const {
         append(out.fixed, f.fixed);
         append(out.group, f.group);
         out.source.insert(out.source.end(), f.size(), static_cast<std::int32_t>(s));
+        for (NewBody body : f.bodies) {
+          body.first += before;
+          body.x = body.x + shift;
+          for (int k = 0; k < 3; ++k) body.x[k] = fmin2(body.x[k], scene_.domain.upper[k]);
+          place_spheres(body, out);
+          out.bodies.push_back(body);
+        }
       }
     }
   }
@@ -156,6 +165,7 @@ void Insertion::check_overlaps(const NewParticles& p, const SourceWalls& walls) 
   const bool relaxes = scene_.relax.steps > 0;
   const double allowed =
       relaxes ? k_never : (scene_.allow_initial_overlap ? scene_.max_overlap : fmin2(0.05, scene_.max_overlap));
+  const FileBodies bodies(scene_, p);
   std::vector<InitialOverlap> found;
   double largest = 0;
   for (double r : p.r) largest = fmax2(largest, r);
@@ -168,14 +178,19 @@ void Insertion::check_overlaps(const NewParticles& p, const SourceWalls& walls) 
     occupied.grid().any(p.x[i], p.r[i], [&](const OverlapGrid::Sphere& s, double d2) {
       const double sum = p.r[i] + s.r;
       if (d2 >= sum * sum) return false;
-      const double depth = sum - std::sqrt(d2), share = depth / fmin2(p.r[i], s.r);
+      double depth = sum - std::sqrt(d2), share = depth / fmin2(p.r[i], s.r);
+      if (bodies.any() && !bodies.meet(index, p.x[i], s.index, s.x, depth, share)) return false;
       if (share > allowed || (relaxes && d2 == 0))
         found.push_back({std::min(s.index, index), std::max(s.index, index), depth, share});
       return found.size() >= enough;
     });
     occupied.add(p.x[i], p.r[i], index);
     if (relaxes) continue;  // a wall has a normal also for a centre on its surface
-    if (const auto wall = walls.deepest(p.x[i], p.r[i], allowed * p.r[i]))
+    if (const shapes::Body* body = bodies.surface(index, p.x[i])) {
+      const double thickness = bodies.thickness(index);
+      if (const auto wall = walls.deepest(*body, p.r[i], allowed * thickness))
+        found.push_back({index, -1 - wall->wall, wall->depth, wall->depth / thickness});
+    } else if (const auto wall = walls.deepest(p.x[i], p.r[i], allowed * p.r[i]))
       found.push_back({index, -1 - wall->wall, wall->depth, wall->depth / p.r[i]});
   }
   if (found.empty()) return;

@@ -26,18 +26,6 @@ constexpr int k_misses = 200;        ///< tries outside the region or in a wall 
 constexpr int k_stream_misses = 20;  ///< the same for streams: a blocked one must not slow down a run
 enum Purpose : std::uint64_t { k_size, k_position, k_velocity, k_purposes };
 
-/// Into the domain through its periodic sides, where a region reaches beyond them.
-Vec3 wrapped(const Domain& d, Vec3 x) noexcept {
-  for (int k = 0; k < 3; ++k) {
-    if (!d.periodic(k)) continue;
-    const double length = d.upper[k] - d.lower[k];
-    if (x[k] < d.lower[k]) x[k] = x[k] + length;
-    if (x[k] >= d.upper[k]) x[k] = x[k] - length;
-    if (x[k] < d.lower[k]) x[k] = d.lower[k];
-  }
-  return x;
-}
-
 }  // namespace
 
 /// Where a particle of a source may go. What refuses it is looked at in the order of what it costs.

@@ -7,6 +7,18 @@
 
 namespace talus {
 
+/// Into the domain through its periodic sides, at most one period off.
+inline Vec3 wrapped(const Domain& d, Vec3 x) noexcept {
+  for (int k = 0; k < 3; ++k) {
+    if (!d.periodic(k)) continue;
+    const double length = d.upper[k] - d.lower[k];
+    if (x[k] < d.lower[k]) x[k] = x[k] + length;
+    if (x[k] >= d.upper[k]) x[k] = x[k] - length;
+    if (x[k] < d.lower[k]) x[k] = d.lower[k];
+  }
+  return x;
+}
+
 /// Spheres near a region, periodic images included.
 class Occupied {
  public:

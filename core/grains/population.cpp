@@ -128,9 +128,14 @@ const BodyShape* body_of(const Scene& scene, const Source& s) {
   return s.shape < 0 ? nullptr : scene.shapes[static_cast<std::size_t>(s.shape)].body.get();
 }
 
+/// What answers a force on a body over the mass of the sphere of its roundest contact.
+double weight_of(const BodyShape& c, const Material& m) {
+  return c.mass(m, 1) / (c.lightness * Body{c.roundest, m.density}.mass());
+}
+
 /// Farthest point of a grain from the axis that it spins about, where spins move anything [m].
-double farthest(const Scene& scene, double largest) {
-  double reach = scene.contact.friction ? largest : 0;
+double farthest(const Scene& scene, double largest, double of_files) {
+  double reach = fmax2(scene.contact.friction ? largest : 0, of_files);
   for (const Source& s : scene.sources)
     if (const BodyShape* b = body_of(scene, s))
       reach = fmax2(reach, 0.5 * s.size.largest() * (b->bound / b->equal_radius));
@@ -160,7 +165,7 @@ void add_stated_velocities(const Scene& scene, Population& p) {
     for (const GrainKind& k : p.kinds)
       smallest = fmin2(smallest, k.smallest[0] * k.thinnest), largest = fmax2(largest, k.largest[0]);
     const double v = norm(e.vector);
-    p.add_velocity(e.vector, e.vector, farthest(scene, largest) * norm(e.spin));
+    p.add_velocity(e.vector, e.vector, farthest(scene, largest, p.reach) * norm(e.spin));
     p.movers.push_back({fmt::format("the event at {:g} s", e.time), "", v, v, smallest, largest});
   }
 }
@@ -179,9 +184,7 @@ Population Insertion::population() const {
                    smallest = 0.5 * source.size.smallest() * share, largest = 0.5 * source.size.largest() * share;
       if (c != nullptr) {
         const Material& m = scene_.materials[static_cast<std::size_t>(source.material)];
-        const double sphere = Body{c->roundest, m.density}.mass();
-        p.add(source.material, false, smallest, largest, most_of(source), c->mass(m, 1) / (c->lightness * sphere),
-              c->smallest / c->roundest);
+        p.add(source.material, false, smallest, largest, most_of(source), weight_of(*c, m), c->smallest / c->roundest);
       } else {
         p.add(source.material, false, smallest, largest, most_of(source));
       }
@@ -190,14 +193,32 @@ Population Insertion::population() const {
     const NewParticles& f = files_[s];
     const auto tiles = static_cast<std::int64_t>(tiles_of(source));
     Mover fastest;  // for its size
+    const auto mover = [&](std::size_t i, Vec3 velocity, double r) {
+      const double v = norm(velocity);
+      if (!(v > 0) || (fastest.fastest > 0 && !(v * fastest.smallest > fastest.fastest * r))) return;
+      const std::int64_t id = first_id + static_cast<std::int64_t>(i);
+      fastest = {fmt::format("particle {}", id), place_in_file(static_cast<std::size_t>(id)), v, v, r, r};
+    };
+    auto body = f.bodies.begin();
     for (std::size_t i = 0; i < f.size(); ++i) {
+      if (body != f.bodies.end() && static_cast<std::size_t>(body->first) == i) {
+        const BodyShape& c = shape_of(*body);
+        const double r = body->scale * c.roundest;
+        p.add(f.material[i], f.fixed[i] != 0 && !may_release, r, r, tiles,
+              weight_of(c, scene_.materials[f.material[i]]), c.smallest / c.roundest);
+        p.reach = fmax2(p.reach, body->scale * c.bound);
+        if (scene_.relax.steps == 0) {
+          p.add_velocity(body->v, body->v, body->scale * c.bound * norm(body->w));
+          mover(i, body->v, body->scale * c.smallest);
+        }
+        i += static_cast<std::size_t>(body->count) - 1;
+        ++body;
+        continue;
+      }
       p.add(f.material[i], f.fixed[i] != 0 && !may_release, f.r[i], f.r[i], tiles);
       if (scene_.relax.steps > 0) continue;
-      const double v = norm(f.v[i]);
       p.add_velocity(f.v[i], f.v[i], scene_.contact.friction ? f.r[i] * norm(f.w[i]) : 0);
-      if (!(v > 0) || (fastest.fastest > 0 && !(v * fastest.smallest > fastest.fastest * f.r[i]))) continue;
-      const std::int64_t id = first_id + static_cast<std::int64_t>(i);
-      fastest = {fmt::format("particle {}", id), place_in_file(static_cast<std::size_t>(id)), v, v, f.r[i], f.r[i]};
+      mover(i, f.v[i], f.r[i]);
     }
     if (fastest.fastest > 0) p.movers.push_back(fastest);
     first_id += static_cast<std::int64_t>(f.size() * tiles_of(source));

@@ -40,6 +40,7 @@ class Population {
   void add(int material, bool fixed, double smallest, double largest, std::int64_t count, double weight = 1,
            double thinnest = 1);
   void add_velocity(Vec3 low, Vec3 high, double surface = 0);  ///< range per axis, of the surface by spin [m/s]
+  double reach = 0;  ///< from the centre of a body of a file to its farthest point, at most [m]
   std::vector<GrainKind> kinds;
   std::vector<Mover> movers;
   std::int64_t free_grains() const;  ///< capped

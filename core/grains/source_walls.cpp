@@ -5,6 +5,7 @@
 #include <array>
 
 #include "core/base/error.hpp"
+#include "core/shapes/body_walls.hpp"
 #include "core/walls/shapes/shape.hpp"
 #include "core/walls/wall_motion.hpp"
 
@@ -84,6 +85,24 @@ std::optional<SourceWalls::Overlap> SourceWalls::deepest(Vec3 x, double r, doubl
     if (walls_->contacts(c, r, {&element, 1}, contact.data()) == 0) continue;
     const double depth = r - contact[0].distance;
     if (worst.wall < 0 || depth > worst.depth) worst = {contact[0].wall, depth};
+  }
+  if (worst.wall < 0 || !(worst.depth > forgiven)) return {};
+  return worst;
+}
+
+std::optional<SourceWalls::Overlap> SourceWalls::deepest(shapes::Body body, double bound, double forgiven) const {
+  if (walls_ == nullptr) return {};
+  body.centre = body.centre - domain_.lower;
+  near_.clear();
+  walls_->candidates(body.centre, bound, near_);
+  Overlap worst;
+  std::vector<shapes::BodyWallContact> contacts;
+  for (const std::int32_t& element : near_) {
+    contacts.clear();
+    shapes::body_wall_contacts(body, bound, *walls_, {&element, 1}, {}, contacts);
+    for (const shapes::BodyWallContact& c : contacts)
+      if (const double depth = bound - c.contact.distance; worst.wall < 0 || depth > worst.depth)
+        worst = {c.contact.wall, depth};
   }
   if (worst.wall < 0 || !(worst.depth > forgiven)) return {};
   return worst;

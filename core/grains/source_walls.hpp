@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/scene/scene.hpp"
+#include "core/shapes/pair_contact.hpp"
 #include "core/walls/closed_surface.hpp"
 #include "core/walls/walls.hpp"
 
@@ -44,6 +45,8 @@ class SourceWalls {
   };
   /// The deepest overlap of a sphere with a wall, or nothing where none is deeper than `forgiven` [m].
   std::optional<Overlap> deepest(Vec3 x, double r, double forgiven) const;
+  /// The same of a superquadric within a sphere of radius `bound` [m].
+  std::optional<Overlap> deepest(shapes::Body body, double bound, double forgiven) const;
   /// The sphere keeps clear of every wall, to the rounding of coordinates in mesh files.
   bool clear(Vec3 x, double r) const { return walls_ == nullptr || !deepest(x, r, rounding(r)); }
   double rounding(double r) const noexcept;  ///< overlap that counts as none [m]

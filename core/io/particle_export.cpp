@@ -7,6 +7,7 @@
 #include <iterator>
 #include <vector>
 
+#include "core/base/error.hpp"
 #include "core/frame/quantities.hpp"
 
 namespace talus {
@@ -62,7 +63,67 @@ std::string species(int material, std::span<const Material> materials) {
 
 }  // namespace
 
-std::string csv_text(const Frame& f) {
+namespace {
+
+/// Rows that are spheres of bodies: the body whose first one it is, -1: another sphere of it; k_alone: none.
+constexpr std::int64_t k_alone = -2;
+std::vector<std::int64_t> bodies_of_rows(const Frame& f) {
+  std::vector<std::int64_t> of(f.x.size(), k_alone);
+  const auto column =
+      std::find_if(f.extra.begin(), f.extra.end(), [](const ExtraColumn& e) { return e.name == "body"; });
+  for (std::size_t i = 0; i < of.size() && column != f.extra.end(); ++i) {
+    const auto id = static_cast<ParticleId>(column->values[i]);
+    const auto body = std::lower_bound(f.bodies.begin(), f.bodies.end(), id,
+                                       [](const BodyRecord& b, ParticleId wanted) { return b.id < wanted; });
+    if (body == f.bodies.end() || body->id != id) continue;
+    of[i] = f.id[i] == id ? body - f.bodies.begin() : -1;
+  }
+  return of;
+}
+
+/// A name that stands for itself in a table.
+bool plain(std::string_view name) {
+  return !name.empty() && name != "-" && name.find_first_of(",;|\t\"'#%/ ") == std::string_view::npos;
+}
+
+std::string text_with_bodies(const Frame& f, std::span<const ShapeSpec> shapes) {
+  std::string text = "id,x,y,z,radius,vx,vy,vz,wx,wy,wz,shape,scale,qw,qx,qy,qz";
+  if (!f.material.empty()) text += ",material";
+  if (!f.fixed.empty()) text += ",fixed";
+  text += '\n';
+  const Out out(text);
+  const std::vector<std::int64_t> bodies = bodies_of_rows(f);
+  for (std::size_t i = 0; i < f.x.size(); ++i) {
+    if (bodies[i] == -1) continue;
+    const BodyRecord* b = bodies[i] >= 0 ? &f.bodies[static_cast<std::size_t>(bodies[i])] : nullptr;
+    fmt::format_to(out, "{}", f.id[i]);
+    put(out, b != nullptr ? b->x : f.x[i], ',');
+    fmt::format_to(out, ",{}", b != nullptr ? 0 : f.r[i]);
+    put(out, b != nullptr ? b->v : f.v[i], ',');
+    put(out, b != nullptr ? b->w : f.w.empty() ? Vec3{} : f.w[i], ',');
+    if (b == nullptr) {
+      text += ",-,1,1,0,0,0";
+    } else {
+      const auto k = static_cast<std::size_t>(b->shape);
+      const auto& q = b->orientation;
+      const bool named = k < shapes.size() && plain(shapes[k].name);
+      fmt::format_to(out, ",{},{},{},{},{},{}", named ? shapes[k].name : std::to_string(k), b->scale, q[0], q[1], q[2],
+                     q[3]);
+    }
+    if (!f.material.empty()) fmt::format_to(out, ",{}", +f.material[i]);
+    if (!f.fixed.empty()) fmt::format_to(out, ",{}", +f.fixed[i]);
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string csv_text(const Frame& f, std::span<const ShapeSpec> shapes) {
+  if (f.bodies_missing)
+    throw Error(ErrorCode::io, "its particles belong to bodies that are no spheres, which stand in no file beside it",
+                "", "convert the run folder or a checkpoint");
+  if (!f.bodies.empty()) return text_with_bodies(f, shapes);
   std::string text = "id,x,y,z,radius,vx,vy,vz";
   std::vector<Held> held;
   for (const ParticleQuantity& q : particle_quantities()) {

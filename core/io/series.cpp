@@ -113,8 +113,7 @@ SeriesLayout SeriesLayout::of(const Scene& scene, std::vector<std::string> walls
   l.energies = scene.output.energies;
   l.friction = scene.contact.friction;
   // normal forces turn bodies that are no spheres
-  l.rotation = l.friction ||
-               std::any_of(scene.sources.begin(), scene.sources.end(), [](const Source& s) { return s.shape >= 0; });
+  l.rotation = l.friction || makes_bodies(scene);
   l.sizes = changes_sizes(scene);
   l.wall_contacts = !walls.empty();
   l.superquadrics = makes_superquadrics(scene);

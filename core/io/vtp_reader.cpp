@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <filesystem>
@@ -115,6 +116,37 @@ class VtpFile {
   std::size_t begin_ = 0, end_ = 0, points_ = 0;
 };
 
+/// Bodies of the frame `path`, from the file beside it.
+void read_bodies(const std::string& path, const VtpFile& particles, Frame& f) {
+  f.extra.push_back({"body", "", {}});
+  for (const double id : particles.column<double>("body", 1)) f.extra.back().values.push_back(id);
+  const std::filesystem::path file(path);
+  const std::string name = file.filename().string();
+  constexpr std::string_view mark = "particles-";
+  const auto beside = file.parent_path() / ("bodies-" + name.substr(std::min(mark.size(), name.size())));
+  std::error_code ignored;
+  f.bodies_missing = !name.starts_with(mark) || !std::filesystem::is_regular_file(beside, ignored);
+  if (f.bodies_missing) return;
+  const VtpFile bodies(beside.string());
+  const auto id = bodies.column<std::int64_t>("id", 1);
+  const auto shape = bodies.column<std::int32_t>("shape", 1);
+  const auto scale = bodies.column<double>("scale", 1), mass = bodies.column<double>("mass", 1),
+             turn = bodies.column<double>("orientation", 4);
+  const auto x = vectors_of(bodies.column<double>("Points", 3)), v = vectors_of(bodies.column<double>("velocity", 3)),
+             w = vectors_of(bodies.column<double>("angular_velocity", 3));
+  for (std::size_t k = 0; k < id.size(); ++k)
+    f.bodies.push_back({id[k],
+                        shape[k],
+                        scale[k],
+                        mass[k],
+                        x[k],
+                        v[k],
+                        w[k],
+                        {turn[4 * k], turn[4 * k + 1], turn[4 * k + 2], turn[4 * k + 3]},
+                        {},
+                        {}});
+}
+
 }  // namespace
 
 Frame read_vtp(const std::string& path) {
@@ -134,6 +166,7 @@ Frame read_vtp(const std::string& path) {
         values);
     q.take(f, std::move(values));
   }
+  if (file.has("body")) read_bodies(path, file, f);
   return f;
 }
 

@@ -16,7 +16,8 @@ struct FrameTime {
   double time = 0;  ///< [s]
 };
 
-/// One frame with all columns that the file has; step: the number at the end of its name, else 0. Error{io}.
+/// One frame with all columns that the file has; step: the number at the end of its name, else 0. Of a run with bodies
+/// also the file of bodies beside it. Error{io}.
 Frame read_vtp(const std::string& path);
 
 /// The frames that a .pvd lists, ascending.

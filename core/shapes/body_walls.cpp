@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/base/error.hpp"
+#include "core/shapes/covered_way.hpp"
 #include "core/shapes/wall_contact.hpp"
 
 namespace talus::shapes {
@@ -43,13 +44,18 @@ Vec3 nearest_of_segment(Vec3 a, Vec3 b, Vec3 x) {
 
 double distance_to_segment(Vec3 a, Vec3 b, Vec3 x) { return norm(x - nearest_of_segment(a, b, x)); }
 
-double distance_to_triangle(const WallPiece& p, Vec3 x) {
+Vec3 nearest_of_triangle(const WallPiece& p, Vec3 x) {
   const Vec3 n = normal_of(p);
-  if (inside(p, n, x)) return __builtin_fabs(dot(x - p.corner[0], n));
-  double least = 1e300;
-  for (int k = 0; k < 3; ++k) least = fmin2(least, distance_to_segment(p.corner[k], p.corner[(k + 1) % 3], x));
-  return least;
+  if (inside(p, n, x)) return x - dot(x - p.corner[0], n) * n;
+  Vec3 nearest = p.corner[0];
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 y = nearest_of_segment(p.corner[k], p.corner[(k + 1) % 3], x);
+    if (norm2(y - x) < norm2(nearest - x)) nearest = y;
+  }
+  return nearest;
 }
+
+double distance_to_triangle(const WallPiece& p, Vec3 x) { return norm(nearest_of_triangle(p, x) - x); }
 
 /// The part of an edge that the body can reach: the shorter it is, the better its contact is resolved.
 void clip(Vec3 centre, double reach, Vec3& a, Vec3& b) {
@@ -136,15 +142,23 @@ bool hit_before(const Hit& a, const Hit& b) {
   return std::tie(a2, a.piece->element) < std::tie(b2, b.piece->element);
 }
 
+/// From the foot of a to this place of a wall there is no gap: a long body that spans one lies on both its sides.
+bool joined(const Hit& a, Vec3 foot, const std::vector<WallPiece>& pieces, double slack) {
+  if (a.piece->kind == WallPiece::Kind::triangle && distance_to_triangle(*a.piece, foot) <= slack) return true;
+  return covered_way(pieces, a.foot, a.c.normal, foot, a.c.overlap, slack);
+}
+
 /// At or behind the tangent plane of an accepted one.
 bool behind(const Hit& a, const Hit& h, double tolerance) { return dot(h.foot - a.foot, a.c.normal) >= -tolerance; }
 
-/// All of a triangle lies at or behind the tangent plane of an accepted face: so does every contact with its edges.
-bool hidden(const WallPiece& p, const std::vector<const Hit*>& accepted, double slack) {
+/// All of a triangle lies at or behind the tangent plane of an accepted face, without a gap: so does every contact with
+/// its edges.
+bool hidden(const WallPiece& p, const std::vector<const Hit*>& accepted, const std::vector<WallPiece>& pieces,
+            double slack) {
   return std::any_of(accepted.begin(), accepted.end(), [&](const Hit* a) {
     for (const Vec3& corner : p.corner)
       if (!(dot(corner - a->foot, a->c.normal) >= -1e-3 * slack)) return false;
-    return true;
+    return joined(*a, nearest_of_triangle(p, a->foot), pieces, slack);
   });
 }
 
@@ -154,11 +168,15 @@ bool leads_deeper(const Hit& a, const Hit& h, double tolerance) {
          distance_to_triangle(*a.piece, h.foot) <= tolerance;
 }
 
-/// Of sorted hits those that lie behind no other one; an edge must not lead to a deeper place of the same wall.
-void accept(const std::vector<Hit>& hits, double slack, std::vector<const Hit*>& accepted) {
+/// Of sorted hits those that lie behind no other one of the same surface; an edge must not lead to a deeper place of
+/// the same wall.
+void accept(const std::vector<Hit>& hits, const std::vector<WallPiece>& pieces, double slack,
+            std::vector<const Hit*>& accepted) {
   accepted.clear();
   for (const Hit& h : hits) {
-    const bool same = std::any_of(accepted.begin(), accepted.end(), [&](const Hit* a) { return behind(*a, h, slack); });
+    const bool same = std::any_of(accepted.begin(), accepted.end(), [&](const Hit* a) {
+      return behind(*a, h, slack) && (a->piece == h.piece || joined(*a, h.foot, pieces, slack));
+    });
     const bool leads = !h.face && std::any_of(hits.begin(), hits.end(), [&](const Hit& a) {
       return a.piece->wall == h.piece->wall && leads_deeper(a, h, slack);
     });
@@ -188,15 +206,15 @@ void body_wall_contacts(const Body& body, double bound, const WallSet& walls, st
     slack = fmax2(slack, p.slack);
   }
   std::stable_sort(hits.begin(), hits.end(), hit_before);
-  accept(hits, slack, accepted);
+  accept(hits, pieces, slack, accepted);
   for (const WallPiece* p : edges) {
     Hit h;
-    if (!hidden(*p, accepted, slack) && edge_hit(body, bound, *p, h)) late.push_back(h);
+    if (!hidden(*p, accepted, pieces, slack) && edge_hit(body, bound, *p, h)) late.push_back(h);
   }
   if (!late.empty()) {
     hits.insert(hits.end(), late.begin(), late.end());
     std::stable_sort(hits.begin(), hits.end(), hit_before);
-    accept(hits, slack, accepted);
+    accept(hits, pieces, slack, accepted);
   }
   if (accepted.size() > static_cast<std::size_t>(WallSet::k_max_contacts))
     throw Error(

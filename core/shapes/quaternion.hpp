@@ -14,6 +14,8 @@ inline Quaternion operator*(Quaternion a, Quaternion b) noexcept {
   return {((a.w * b.w - a.x * b.x) - a.y * b.y) - a.z * b.z, ((a.w * b.x + a.x * b.w) + a.y * b.z) - a.z * b.y,
           ((a.w * b.y - a.x * b.z) + a.y * b.w) + a.z * b.x, ((a.w * b.z + a.x * b.y) - a.y * b.x) + a.z * b.w};
 }
+/// The turn back.
+inline Quaternion conjugate(Quaternion q) noexcept { return {q.w, -q.x, -q.y, -q.z}; }
 inline Quaternion normalised(Quaternion q) noexcept {
   const double s = 1 / __builtin_sqrt((q.w * q.w + q.x * q.x) + (q.y * q.y + q.z * q.z));
   return {s * q.w, s * q.x, s * q.y, s * q.z};

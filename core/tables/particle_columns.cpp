@@ -10,8 +10,9 @@ namespace {
 
 using Column = ParticleColumn;
 
-constexpr std::string_view k_names[] = {"x",  "y",  "z",        "radius", "vx",       "vy",      "vz",  "wx",
-                                        "wy", "wz", "material", "fixed",  "diameter", "density", "type", "id"};
+constexpr std::string_view k_names[] = {"x",     "y",     "z",        "radius", "vx",       "vy",      "vz",   "wx",
+                                        "wy",    "wz",    "material", "fixed",  "diameter", "density", "type", "id",
+                                        "shape", "scale", "qw",       "qx",     "qy",       "qz",      "body"};
 
 // Words that may stand beside what decides; a name with any other word ("initial position x") means nothing here.
 constexpr std::string_view k_filler[] = {"particle", "particles", "grain", "sphere", "centre", "center", "component"};
@@ -81,7 +82,16 @@ int axis_of(const std::string& word) {
   return word[0] >= '0' && word[0] <= '2' ? word[0] - '0' : -1;
 }
 
+/// A component of a quaternion.
+Column turn_of(const std::string& word) {
+  constexpr std::string_view letters = "wxyz", digits = "0123";
+  if (word.size() != 1) return Column::none;
+  const std::size_t k = std::min(letters.find(word[0]), digits.find(word[0]));
+  return k == std::string_view::npos ? Column::none : static_cast<Column>(static_cast<std::size_t>(Column::qw) + k);
+}
+
 Column meaning_of(std::vector<std::string> words) {
+  if (words.size() == 2 && (words[0] == "orientation" || words[0] == "quaternion")) return turn_of(words[1]);
   split_axis(words);
   int axis = -1;
   bool position = false, velocity = false, linear = false, angular = false, spin = false, digit = false;

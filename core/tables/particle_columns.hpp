@@ -7,7 +7,32 @@
 
 namespace talus {
 
-enum class ParticleColumn { x, y, z, radius, vx, vy, vz, wx, wy, wz, material, fixed, diameter, density, type, id, none };
+enum class ParticleColumn {
+  x,
+  y,
+  z,
+  radius,
+  vx,
+  vy,
+  vz,
+  wx,
+  wy,
+  wz,
+  material,
+  fixed,
+  diameter,
+  density,
+  type,
+  id,
+  shape,
+  scale,
+  qw,
+  qx,
+  qy,
+  qz,
+  body,
+  none
+};
 constexpr int k_particle_columns = static_cast<int>(ParticleColumn::none);
 
 struct ColumnMeaning {
@@ -16,7 +41,8 @@ struct ColumnMeaning {
   bool own = false;  ///< Talus's own name, which goes before others with the same meaning
 };
 
-/// Upper or lower case; units in brackets; "Points:0", "Position X (m)", "velocity_y", "Angular Velocity:2", "omegaz".
+/// Upper or lower case; units in brackets; "Points:0", "Position X (m)", "velocity_y", "Angular Velocity:2", "omegaz";
+/// "orientation:0" to 3 are w, x, y, z, as bodies.pvd has them.
 ColumnMeaning column_meaning(std::string_view name);
 
 /// Talus's name of a column.

@@ -90,10 +90,17 @@ std::string read_particle_text(const std::string& path) {
   }
 }
 
-ParticleFile parse_particles(std::string_view text, const std::string& name, std::span<const Material> materials) {
+ParticleFile parse_particles(std::string_view text, const std::string& name, std::span<const Material> materials,
+                             std::span<const ShapeSpec> shapes, int shape) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   if (const auto other = foreign(text)) throw Error(ErrorCode::scene, (*other)[0], name, (*other)[1]);
-  return is_lammps_data(text) ? parse_lammps_data(text, name, materials) : parse_particle_table(text, name, materials);
+  if (!is_lammps_data(text)) return parse_particle_table(text, name, materials, shapes, shape);
+  ParticleFile file = parse_lammps_data(text, name, materials);
+  if (shape < 0) return file;
+  file.shape.assign(file.size(), shape);
+  file.scale.assign(file.size(), 0);
+  file.turn.assign(file.size(), {1, 0, 0, 0});
+  return file;
 }
 
 std::string box_note(const ParticleFile& file, const std::string& name, Vec3 lower, Vec3 upper) {
@@ -112,8 +119,9 @@ std::string box_note(const ParticleFile& file, const std::string& name, Vec3 low
                      theirs, ours);
 }
 
-ParticleFile read_particle_file(const std::string& path, std::span<const Material> materials) {
-  return parse_particles(read_particle_text(path), path, materials);
+ParticleFile read_particle_file(const std::string& path, std::span<const Material> materials,
+                                std::span<const ShapeSpec> shapes, int shape) {
+  return parse_particles(read_particle_text(path), path, materials, shapes, shape);
 }
 
 }  // namespace talus

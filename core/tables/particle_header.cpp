@@ -52,7 +52,8 @@ bool is_comment(std::string_view line) {
 namespace {
 
 constexpr const char* k_allowed =
-    "columns: x, y, z, radius (or diameter); optional vx, vy, vz, wx, wy, wz, material, fixed";
+    "columns: x, y, z, radius (or diameter); optional vx, vy, vz, wx, wy, wz, material, fixed; of bodies shape, scale, "
+    "qw, qx, qy, qz";
 constexpr int k_header_search = 60;  // lines: other programs write a preamble
 
 /// The separator of a line: blanks where it has no other.
@@ -99,8 +100,8 @@ std::optional<std::string> assign(Header& h) {
 
 class HeaderReader {
  public:
-  HeaderReader(Lines& lines, const std::string& name, std::vector<std::string>& notes)
-      : lines_(lines), name_(name), notes_(notes) {}
+  HeaderReader(Lines& lines, const std::string& name, std::vector<std::string>& notes, bool bodies)
+      : lines_(lines), name_(name), notes_(notes), bodies_(bodies) {}
 
   Header read() {
     std::string_view line;
@@ -206,7 +207,11 @@ class HeaderReader {
            k_allowed);
     };
     for (Column c : {Column::x, Column::y, Column::z}) require(c);
-    if (!h.has(Column::diameter)) require(Column::radius);
+    const bool bodies = bodies_ || h.has(Column::shape);
+    if (!h.has(Column::diameter) && !(bodies && h.has(Column::scale))) require(Column::radius);
+    if (h.has(Column::body) && !bodies)
+      fail(name_, h.row, "column 'body' says that its rows are spheres of rigid bodies, which a table cannot hold",
+           "`talus convert` makes a table of a run with a row for each body");
     const auto together = [&](Column a, Column b, Column c) {
       if (h.has(a) != h.has(b) || h.has(b) != h.has(c))
         fail(name_, h.row,
@@ -215,6 +220,8 @@ class HeaderReader {
     };
     together(Column::vx, Column::vy, Column::vz);
     together(Column::wx, Column::wy, Column::wz);
+    together(Column::qw, Column::qx, Column::qy);
+    together(Column::qx, Column::qy, Column::qz);
     check_units(h);
     return h;
   }
@@ -253,12 +260,13 @@ class HeaderReader {
   Lines& lines_;
   const std::string& name_;
   std::vector<std::string>& notes_;
+  bool bodies_;
 };
 
 }  // namespace
 
-Header read_header(Lines& lines, const std::string& name, std::vector<std::string>& notes) {
-  return HeaderReader(lines, name, notes).read();
+Header read_header(Lines& lines, const std::string& name, std::vector<std::string>& notes, bool bodies) {
+  return HeaderReader(lines, name, notes, bodies).read();
 }
 
 }  // namespace talus::particle_text

@@ -52,13 +52,14 @@ struct Header {
   bool has(ParticleColumn c) const { return std::find(meaning.begin(), meaning.end(), c) != meaning.end(); }
   bool complete() const {
     return has(ParticleColumn::x) && has(ParticleColumn::y) && has(ParticleColumn::z) &&
-           (has(ParticleColumn::radius) || has(ParticleColumn::diameter));
+           (has(ParticleColumn::radius) || has(ParticleColumn::diameter) || has(ParticleColumn::scale));
   }
 };
 
 /// Finds the row of names; the lines behind it are data. What is skipped or assumed is added to `notes`. Error{scene}
-/// where there is no such row, a column is missing or its unit is not one that can be read as it is.
-Header read_header(Lines& lines, const std::string& name, std::vector<std::string>& notes);
+/// where there is no such row, a column is missing or its unit is not one that can be read as it is. `bodies`: rows
+/// may be bodies without a column that says so.
+Header read_header(Lines& lines, const std::string& name, std::vector<std::string>& notes, bool bodies = false);
 
 bool is_comment(std::string_view line);
 

@@ -15,11 +15,15 @@ using Column = ParticleColumn;
 
 class TableReader {
  public:
-  TableReader(std::string_view text, const std::string& name, std::span<const Material> materials)
-      : lines_(text), name_(name), materials_(materials) {}
+  TableReader(std::string_view text, const std::string& name, std::span<const Material> materials,
+              std::span<const ShapeSpec> shapes, int shape)
+      : lines_(text), name_(name), materials_(materials), shapes_(shapes), shape_(shape) {}
 
   ParticleFile read() {
-    h_ = read_header(lines_, name_, p_.notes);
+    h_ = read_header(lines_, name_, p_.notes, shape_ >= 0);
+    bodies_ = shape_ >= 0 || h_.has(Column::shape);
+    for (Column& c : h_.meaning)
+      if (c == Column::body || (c >= Column::scale && c < Column::none && !bodies_)) c = Column::none;
     for (std::size_t k = 0; k < h_.meaning.size(); ++k)
       if (h_.meaning[k] != Column::none) used_.push_back(k);
     with_density_ = checks_density();
@@ -73,6 +77,7 @@ class TableReader {
     if (std::all_of(fields.begin(), fields.end(), [](std::string_view f) { return f.empty(); })) return;
     std::array<double, k_particle_columns> value{};
     std::uint8_t material = 0;
+    std::int32_t shape = shape_;
     for (const std::size_t k : used_) {
       const Column c = h_.meaning[k];
       if (c == Column::material)
@@ -81,10 +86,15 @@ class TableReader {
         same_type(fields[k]);
       else if (c == Column::id)
         keep_id(fields[k]);
-      else
+      else if (c == Column::shape)
+        shape = shape_of(fields[k]);
+      else if (!(c >= Column::scale && c <= Column::qz && fields[k].empty()))  // of a sphere
         value[static_cast<std::size_t>(c)] = c == Column::fixed ? flag(k, fields[k]) : number(k, fields[k]);
     }
-    add(value, material);
+    if (shape >= 0)
+      add_body(value, material, shape);
+    else
+      add(value, material);
   }
 
   /// Empty fields at the end, for which the header has or lacks a name, do no harm. False: an empty row.
@@ -157,6 +167,24 @@ class TableReader {
     return last_index_;
   }
 
+  /// Name or index of a shape; -1: a sphere.
+  std::int32_t shape_of(std::string_view text) {
+    if (text.empty() || text == "-") return -1;
+    std::vector<std::string> names;
+    std::string list;
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+      if (shapes_[i].name == text) return static_cast<std::int32_t>(i);
+      names.push_back(shapes_[i].name);
+      list += (list.empty() ? "" : ", ") + names.back();
+    }
+    std::int32_t index = 0;
+    if (is_number(text, index) && index >= 0 && index < std::ssize(shapes_)) return index;
+    refuse(fmt::format("shape '{}' does not exist{}", shown(text), did_you_mean(text.substr(0, 200), names)),
+           list.empty() ? "[[shape]] in a scene says what it is"
+                        : fmt::format("allowed: {}, an index from 0 to {}, or - for a sphere", shown(list, 120),
+                                      std::ssize(shapes_) - 1));
+  }
+
   /// A type says nothing about materials here; that is harmless only while there is nothing to say.
   void same_type(std::string_view text) {
     if (p_.size() == 0) type_ = text;
@@ -177,15 +205,58 @@ class TableReader {
     if (p_.id.size() != p_.size() || std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) p_.id.clear();
   }
 
-  void add(const std::array<double, k_particle_columns>& value, std::uint8_t material) {
-    const auto at = [&](Column c) { return value[static_cast<std::size_t>(c)]; };
+  using Values = std::array<double, k_particle_columns>;
+  static double at(const Values& value, Column c) { return value[static_cast<std::size_t>(c)]; }
+
+  /// Radius as the row states it, 0 for none.
+  double radius_of(const Values& value) const {
     const bool with_radius = h_.has(Column::radius), with_diameter = h_.has(Column::diameter);
-    const double r = with_radius ? at(Column::radius) : 0.5 * at(Column::diameter);
-    const Column size = with_radius ? Column::radius : Column::diameter;
-    if (!(r > 0)) refuse(fmt::format("{}: {} is not allowed", column_name(size), at(size)), "must be > 0");
-    if (with_radius && with_diameter && !(std::fabs(at(Column::diameter) - 2 * r) <= 2e-4 * r))
-      refuse(fmt::format("diameter {} is not twice the radius {}", at(Column::diameter), r), "");
-    if (with_density_) check_density(at(Column::density), material);
+    const double r = with_radius ? at(value, Column::radius) : 0.5 * at(value, Column::diameter);
+    if (with_radius && with_diameter && r > 0 && !(std::fabs(at(value, Column::diameter) - 2 * r) <= 2e-4 * r))
+      refuse(fmt::format("diameter {} is not twice the radius {}", at(value, Column::diameter), r), "");
+    return r;
+  }
+
+  void add(const Values& value, std::uint8_t material) {
+    const Column size = h_.has(Column::radius) || !h_.has(Column::diameter) ? Column::radius : Column::diameter;
+    const double r = radius_of(value), scale = at(value, Column::scale);
+    if (!(r > 0)) refuse(fmt::format("{}: {} is not allowed", column_name(size), at(value, size)), "must be > 0");
+    if (scale != 0 && scale != 1) refuse(fmt::format("scale: {} is not allowed", scale), "of a sphere none, 0 or 1");
+    if (with_density_) check_density(at(value, Column::density), material);
+    append(value, material, r);
+    if (!bodies_) return;
+    p_.shape.push_back(-1);
+    p_.scale.push_back(1);
+    p_.turn.push_back({1, 0, 0, 0});
+  }
+
+  void add_body(const Values& value, std::uint8_t material, std::int32_t shape) {
+    const double r = radius_of(value), scale = at(value, Column::scale);
+    const char* const size = "a body has a scale > 0, or radius or diameter of the sphere of equal volume";
+    if (!(scale >= 0)) refuse(fmt::format("scale: {} is not allowed", scale), size);
+    if (!(r >= 0)) refuse(fmt::format("radius: {} is not allowed", r), size);
+    if (scale == 0 && r == 0) refuse("a body without a size", size);
+    std::array<double, 4> q{1, 0, 0, 0};
+    if (h_.has(Column::qw)) {
+      double sum = 0;
+      for (int k = 0; k < 4; ++k) {
+        q[static_cast<std::size_t>(k)] = at(value, static_cast<Column>(static_cast<int>(Column::qw) + k));
+        sum += q[static_cast<std::size_t>(k)] * q[static_cast<std::size_t>(k)];
+      }
+      // files have few digits; what is farther off was not meant as a turn
+      if (!(std::fabs(sum - 1) <= 2e-3))
+        refuse(fmt::format("the quaternion {}, {}, {}, {} is no unit quaternion", q[0], q[1], q[2], q[3]),
+               "qw^2 + qx^2 + qy^2 + qz^2 = 1");
+      for (double& c : q) c /= std::sqrt(sum);
+    }
+    append(value, material, r);
+    p_.shape.push_back(shape);
+    p_.scale.push_back(scale);
+    p_.turn.push_back(q);
+  }
+
+  void append(const Values& value, std::uint8_t material, double r) {
+    const auto at = [&](Column c) { return TableReader::at(value, c); };
     p_.x.push_back({at(Column::x), at(Column::y), at(Column::z)});
     p_.r.push_back(r);
     p_.v.push_back({at(Column::vx), at(Column::vy), at(Column::vz)});
@@ -205,6 +276,9 @@ class TableReader {
   Lines lines_;
   const std::string& name_;
   std::span<const Material> materials_;
+  std::span<const ShapeSpec> shapes_;
+  std::int32_t shape_ = -1;  ///< of rows that name none
+  bool bodies_ = false;      ///< rows may be bodies
   ParticleFile p_;
   Header h_;
   std::vector<std::size_t> used_;
@@ -216,8 +290,9 @@ class TableReader {
 
 }  // namespace
 
-ParticleFile parse_particle_table(std::string_view text, const std::string& name, std::span<const Material> materials) {
-  return TableReader(text, name, materials).read();
+ParticleFile parse_particle_table(std::string_view text, const std::string& name, std::span<const Material> materials,
+                                  std::span<const ShapeSpec> shapes, int shape) {
+  return TableReader(text, name, materials, shapes, shape).read();
 }
 
 }  // namespace talus

@@ -263,7 +263,8 @@ std::vector<PartValue> Heat::values(const PartView& w) const {
       high = fmax2(high, s_.temperature[static_cast<std::size_t>(i)]);
     }
   const double all = sum_rows(w.rows, [&](std::size_t i) { return s_.enthalpy[i]; });
-  const double sum = sum_rows(w.rows, [&](std::size_t i) { return s_.temperature[i]; });
+  const double sum =
+      sum_rows(w.rows, [&](std::size_t i) { return w.rows.leads(static_cast<Row>(i)) ? s_.temperature[i] : 0.0; });
   const auto* laser = part_as<LaserLight>(w.parts);
   const double in = t.sources - t.removed + t.walls + t.gas + t.radiation + t.friction + t.held + t.inside +
                     (laser != nullptr ? laser->absorbed() : 0.0);
@@ -277,7 +278,7 @@ std::vector<PartValue> Heat::values(const PartView& w) const {
                              {"heat.in_by_held", "J", t.held},
                              {"heat.residual", "J", all - in},
                              {"heat.lowest", "K", any ? low : 0.0},
-                             {"heat.mean", "K", any ? sum / static_cast<double>(w.rows.alive) : 0.0},
+                             {"heat.mean", "K", any ? sum / static_cast<double>(w.rows.grains()) : 0.0},
                              {"heat.highest", "K", high}};
   if (laser != nullptr) out.push_back({"heat.in_by_laser", "J", laser->absorbed()});
   if (s_.molten.any)
@@ -321,6 +322,7 @@ void Heat::add_conductivities(const PartView& w, std::vector<PartValue>& out) co
 
 HeatState::HeatState(const Rules& rules) : scene(rules.scene.heat) {
   pace.steps = scene.every;
+  if (rules.has.bodies) sizes.areas = areas_of_shapes(rules.scene);
   const double cold = coldest(scene);
   for (const MatterHeat& m : scene.matter) {
     HeatMatter q;

@@ -16,6 +16,7 @@
 #include "core/heat/convection.hpp"
 #include "core/heat/enthalpy.hpp"
 #include "scheduler/parts/doors.hpp"
+#include "scheduler/parts/heat_bodies.hpp"
 
 namespace talus {
 
@@ -52,6 +53,7 @@ struct HeatMelt {
 };
 struct HeatSizes {
   bool any = false;
+  std::vector<double> areas;   ///< by shape of bodies, of scale 1 [m2]
   Column<double> radii, next;  ///< [3 n]: radius at the last heat step, to come at the next one, at 0 K [m]
 };
 /// What a unit of conductance receives of a given flux, by heat.wall entries [K], of a step; for contact files.
@@ -98,10 +100,12 @@ struct HeatState {
   bool ends(const PartView& w) const { return (w.clock.step + 1) % pace.steps == 0; }  ///< the heat step, behind this
   int material(const PartView& w, Row i) const { return w.rules.has.materials ? w.rows.material[i] : 0; }
   bool has_shells(const PartView& w, Row i) const { return shells[static_cast<std::size_t>(material(w, i))] != 0; }
+  /// What gas and enclosure see of the grain that row i leads; of its other rows nothing [m2].
+  double surface(const PartView& w, Row i) const;
   /// Heat step over the longest in which row i cannot overshoot: dt times its conductance over the capacity that
   /// follows at once; of a grain with shells that of the outermost one, behind half of it.
   double excess(const PartView& w, const GrainInside* inside, Row i) const;
-  /// The same if six others of its kind touched row i by a hundredth of its radius.
+  /// The same if six others of its kind touched row i, of a body each of its rows, by a hundredth of its radius.
   double excess_in_a_bed(const PartView& w, Row i) const;
   /// Of the surface; `inside`: null without grains that have shells.
   double conductivity(const PartView& w, const GrainInside* inside, Row i) const {
@@ -114,7 +118,9 @@ struct HeatState {
   }
 };
 
-void heat_contacts(HeatState& s, const PartView& w, const Chunk& c);                       ///< heat_contacts.cpp
+void heat_contacts(HeatState& s, const PartView& w, const Chunk& c);  ///< heat_contacts.cpp
+/// Of the contact that rows i and j have now; `overlap` of their spheres; 0 of rows of one body [W/K].
+double conductance_between(const HeatState& s, const PartView& w, Row i, Row j, double overlap);
 double heat_of_pair(const HeatState& s, const PartView& w, Row i, Row j, double overlap);  ///< conducted into i [W]
 /// The same of a contact with a wall. [W]; heat_walls.cpp
 double heat_of_wall(const HeatState& s, const PartView& w, Row i, int wall, double overlap);

@@ -35,13 +35,13 @@ std::vector<std::string> heat_advice(const HeatState& s, const PartView& w) {
   double excess = 0;
   const auto* inside = part_as<GrainInside>(w.parts);
   for (Row i = 0; i < w.rows.n; ++i) {
-    if (!w.rows.is_alive(i)) continue;
+    if (!w.rows.is_alive(i) || !w.rows.leads(i)) continue;
     const auto at = static_cast<std::size_t>(i), m = static_cast<std::size_t>(s.material(w, i));
     excess = std::max(excess, s.excess(w, inside, i));
     if (s.shells[m] != 0) continue;  // conversion's
-    const double r = w.rows.p[4L * i + 3];
+    const double r = heat_size(w, i);
     radius[m] = std::max(radius[m], r);
-    contacts[m] = std::max(contacts[m], s.conductance[at] / (4 * det::k_pi * r * r));
+    contacts[m] = std::max(contacts[m], s.conductance[at] / s.surface(w, i));
   }
   for (std::size_t m = 0; m < s.matter.size(); ++m) {
     if (!(radius[m] > 0)) continue;

@@ -76,8 +76,12 @@ double HeatState::excess(const PartView& w, const GrainInside* inside, Row i) co
 
 double HeatState::excess_in_a_bed(const PartView& w, Row i) const {
   const int m = material(w, i);
-  const double r = w.rows.p[4L * i + 3], k = conductivity(w, nullptr, i);
-  const double g = k_contacts * heat::contact_conductance(k, k, pair(m, m).of(heat::reduced(r, r), k_overlap * r));
+  const double k = conductivity(w, nullptr, i);
+  double g = 0;
+  for (Row q = i; q < end_of_grain(w, i); ++q) {
+    const double r = w.rows.p[4L * q + 3];
+    g = g + k_contacts * heat::contact_conductance(k, k, pair(m, m).of(heat::reduced(r, r), k_overlap * r));
+  }
   return dt(w) * g / (mass_of(w.rules, w.rows, i) * matter[static_cast<std::size_t>(m)].least_capacity);
 }
 

@@ -63,6 +63,7 @@ class HeatStep {
     for (BlockSums& b : sums_) b.wall.assign(s_.scene.walls.size(), 0.0);
     if (reaches() || w_.rules.has.fixed) find_near();
     w_.blocks(blocks_, [&](int b) { exchange(b); });
+    if (w_.rows.bodies.in) w_.blocks(blocks_, [&](int b) { gather(b); });
     refuse_overshoot();
     w_.blocks(blocks_, [&](int b) { advance(b); });
     add_up();
@@ -78,18 +79,12 @@ class HeatStep {
       if (w_.rows.is_alive(i)) fn(i);
   }
   const HeatMatter& matter(Row i) const { return s_.matter[static_cast<std::size_t>(s_.material(w_, i))]; }
-  double radius(Row i) const { return w_.rows.p[4L * i + 3]; }
-  double surface(Row i) const { return 4 * det::k_pi * (radius(i) * radius(i)); }
+  double surface(Row i) const { return s_.surface(w_, i); }
   bool has_shells(Row i) const { return inside_ != nullptr && s_.has_shells(w_, i); }
   /// Something acts without touching.
   bool reaches() const { return s_.scene.gap.conductivity > 0 || s_.scene.radiation.grains; }
+  /// Of two fixed grains no list of the engine holds the contact: neither can move.
   bool fixed(Row i) const { return w_.rules.has.fixed && w_.rows.fixed[i] != 0; }
-  /// Contact of two fixed grains, which no list of the engine holds: neither can move.
-  double fixed_contact(Row i, Row j, double overlap) const {
-    if (!(overlap > 0) || !fixed(i) || !fixed(j)) return 0;
-    const double a = s_.pair(s_.material(w_, i), s_.material(w_, j)).of(heat::reduced(radius(i), radius(j)), overlap);
-    return heat::contact_conductance(s_.conductivity(w_, inside_, i), s_.conductivity(w_, inside_, j), a);
-  }
 
   // --- near grains ---------------------------------------------------------------------------------------------------
 
@@ -128,7 +123,7 @@ class HeatStep {
         const double d = norm(box.nearest({a[0] - o[0], a[1] - o[1], a[2] - o[2]}));
         if (!(d < reach(a[3], o[3]))) continue;
         Near n{j, 0, 0};
-        const double contact = fixed_contact(i, j, (a[3] + o[3]) - d);
+        const double contact = fixed(i) && fixed(j) ? conductance_between(s_, w_, i, j, (a[3] + o[3]) - d) : 0.0;
         if (gap.conductivity > 0)
           n.gap = heat::gap_conductance(gap.conductivity, 2 * heat::reduced(a[3], o[3]), d - (a[3] + o[3]), gap.layer,
                                         gap.least_gap);
@@ -201,6 +196,7 @@ class HeatStep {
           n.gap + heat::k_stefan * (area * heat::grey_factor(e, n.emissivity)) * heat::radiant_slope(T, other);
       sum.wall[wall] = sum.wall[wall] + add(at, g, other);
     }
+    if (!(seen > 0)) return 1;
     const double rest = 1 - seen / surface(i);
     return rest > 0 ? rest : 0.0;
   }
@@ -238,18 +234,50 @@ class HeatStep {
       const auto at = static_cast<std::size_t>(i);
       double open = 1;
       if (!near_.empty()) open = exchange_near(sum, near_[static_cast<std::size_t>(b)], q++, i);
-      if (gas) sum.gas = sum.gas + add_gas(i);
+      const bool body = w_.rows.body_of(i) >= 0;
+      if (gas && !(body && !w_.rows.leads(i))) sum.gas = sum.gas + add_gas(i);
       if (laser_ != nullptr) s_.flow[at] = s_.flow[at] + laser_->heat(i);
       if (enclosure > 0)
         sum.radiation = sum.radiation + add(at,
                                             heat::k_stefan * (open * surface(i) * s_.emissivity(w_, inside_, i)) *
                                                 heat::radiant_slope(s_.temperature[at], enclosure),
                                             enclosure);
-      if (s_.any_held && s_.held[at] > 0) return;
-      const double beyond = s_.excess(w_, inside_, i);
-      if (!(beyond <= sum.excess)) sum.excess = beyond, sum.worst = i;
-      if (s_.scene.error > 0) sum.nearest = fmax2(sum.nearest, fmax2(beyond, s_.excess_in_a_bed(w_, i)));
+      if (!body) judge(sum, i);
     });
+  }
+
+  void judge(BlockSums& sum, Row i) const {
+    if (s_.any_held && s_.held[static_cast<std::size_t>(i)] > 0) return;
+    const double beyond = s_.excess(w_, inside_, i);
+    if (!(beyond <= sum.excess)) sum.excess = beyond, sum.worst = i;
+    if (s_.scene.error > 0) sum.nearest = fmax2(sum.nearest, fmax2(beyond, s_.excess_in_a_bed(w_, i)));
+  }
+
+  /// The first row of each body takes what all its rows receive.
+  void gather(int b) {
+    for_rows(b, [&](Row i) {
+      if (w_.rows.body_of(i) < 0 || !w_.rows.leads(i)) return;
+      const auto at = static_cast<std::size_t>(i);
+      for (Row k = i + 1; k < end_of_grain(w_, i); ++k) {
+        s_.flow[at] = s_.flow[at] + s_.flow[static_cast<std::size_t>(k)];
+        s_.conductance[at] = s_.conductance[at] + s_.conductance[static_cast<std::size_t>(k)];
+        if (!s_.scene.friction) continue;
+        s_.loss[at] = s_.loss[at] + s_.loss[static_cast<std::size_t>(k)];
+      }
+      judge(sums_[static_cast<std::size_t>(b)], i);
+    });
+  }
+
+  /// The other rows of a body show what the first one has come to.
+  void share(Row i) {
+    const auto at = static_cast<std::size_t>(i);
+    for (Row k = i + 1; k < end_of_grain(w_, i); ++k) {
+      const auto to = static_cast<std::size_t>(k);
+      s_.next_enthalpy[to] = s_.enthalpy[to];
+      s_.next_temperature[to] = s_.next_temperature[at];
+      if (s_.molten.any) s_.molten.next[to] = s_.molten.next[at];
+      if (s_.scene.friction) s_.loss[to] = 0;
+    }
   }
 
   void refuse_overshoot() const {
@@ -275,6 +303,7 @@ class HeatStep {
     BlockSums& sum = sums_[static_cast<std::size_t>(b)];
     sum.source.assign(s_.source_flow.size(), 0.0);
     for_rows(b, [&](Row i) {
+      if (!w_.rows.leads(i)) return;
       const auto at = static_cast<std::size_t>(i);
       s_.next_enthalpy[at] = s_.enthalpy[at];
       s_.next_temperature[at] = s_.temperature[at];
@@ -300,6 +329,7 @@ class HeatStep {
       }
       sum.change = fmax2(sum.change, __builtin_fabs(s_.next_temperature[at] - s_.temperature[at]));
       if (s_.sizes.any) expand(i);
+      share(i);
       if (!(s_.next_temperature[at] > 0 && s_.next_temperature[at] <= k_hottest)) sum.worst = i;
     });
   }
@@ -355,25 +385,6 @@ class HeatStep {
 };
 
 }  // namespace
-
-GasNear given_gas(const HeatState& s, const PartView& w, Row i) {
-  const GasHeat& g = s.scene.gas;
-  if (!g.on) return {};
-  const double* u = w.rows.v.data() + static_cast<long>(w.rows.stride) * i;
-  const Vec3 v{u[0], u[1], u[2]};
-  GasNear gas{g.temperature(s.middle(w)), g.film, norm(g.velocity - v), 0, {}};
-  if (g.film >= 0) return gas;
-  const heat::GasAt at{gas.temperature, g.velocity,     g.density,
-                       g.viscosity,     g.conductivity, g.viscosity * g.capacity / g.conductivity,
-                       g.porosity};
-  gas.film = heat::film_coefficient(g.law, at, v, 2 * w.rows.p[4L * i + 3]);
-  return gas;
-}
-
-double HeatState::emissivity(const PartView& w, const GrainInside* inside, Row i) const {
-  if (inside != nullptr && has_shells(w, i)) return inside->surface(i).emissivity;
-  return matter[static_cast<std::size_t>(material(w, i))].emissivity;
-}
 
 void heat_step(HeatState& s, const PartView& w) {
   s.clock = &w.clock;

@@ -18,19 +18,21 @@ double area_of(const PartView& w, const std::string& name) {
   return area;
 }
 
-/// Of one contact with the wall's surface, its layer included [W/K].
-double conductance_of(const HeatState& s, const PartView& w, const WallHeat& wall, Row i, int number, double overlap) {
-  const double r = w.rows.p[4L * i + 3], T = s.temperature[static_cast<std::size_t>(i)];
+/// Of one contact with the wall's surface, its layer included [W/K]. r: radius of the grain there [m].
+double conductance_of(const HeatState& s, const PartView& w, const WallHeat& wall, Row i, int number, double overlap,
+                      double r) {
+  const double T = s.temperature[static_cast<std::size_t>(i)], size = heat_size(w, i);
   const int m = s.material(w, i), k = w.walls.material(number);
   const double a = s.pair(m, k).of(r, overlap);
   const double g = heat::contact_conductance(s.conductivity(w, part_as<GrainInside>(w.parts), i),
                                              s.matter[static_cast<std::size_t>(k)].conductivity.at(T), a);
   if (wall.layer.empty() || !(g > 0)) return g;
-  return 1 / (1 / g + wall.layer[0] / (wall.layer[1] * (det::k_pi * (r * r))));
+  return 1 / (1 / g + wall.layer[0] / (wall.layer[1] * (det::k_pi * (size * size))));
 }
 
 double conductance_of(const HeatState& s, const PartView& w, const WallHeat& wall, const WallState& t) {
-  return conductance_of(s, w, wall, t.row, t.contact.wall, w.rows.p[4L * t.row + 3] - t.contact.distance);
+  return conductance_of(s, w, wall, t.row, t.contact.wall, w.rows.p[4L * t.row + 3] - t.contact.distance,
+                        contact_radius(w, t.row, t.contact.normal));
 }
 
 template <class F>
@@ -40,6 +42,17 @@ void for_contacts(const PartView& w, const std::vector<int>& entry, F fn) {
       const int e = entry[static_cast<std::size_t>(t.contact.wall)];
       if (e >= 0 && w.rows.is_alive(t.row)) fn(static_cast<std::size_t>(e), t);
     }
+}
+
+/// Radius of row i at the wall's contact of this overlap [m].
+double radius_at_wall(const PartView& w, Row i, int wall, double overlap) {
+  const double bound = w.rows.p[4L * i + 3];
+  if (shaped_body(w, i) == nullptr) return bound;
+  const WallState* found = nullptr;
+  const auto off = [&](const WallState& t) { return __builtin_fabs((bound - t.contact.distance) - overlap); };
+  for (const WallState& t : w.contacts.of(i).wall.state)
+    if (t.row == i && t.contact.wall == wall && (found == nullptr || off(t) < off(*found))) found = &t;
+  return found != nullptr ? contact_radius(w, i, found->contact.normal) : bound;
 }
 
 }  // namespace
@@ -70,7 +83,7 @@ double heat_of_wall(const HeatState& s, const PartView& w, Row i, int wall, doub
   const int e = entry[static_cast<std::size_t>(wall)];
   if (e < 0) return 0;
   const WallHeat& h = s.scene.walls[static_cast<std::size_t>(e)];
-  const double g = conductance_of(s, w, h, i, wall, overlap);
+  const double g = conductance_of(s, w, h, i, wall, overlap, radius_at_wall(w, i, wall, overlap));
   if (h.temperature.given()) return g * (h.temperature(s.middle(w)) - s.temperature[static_cast<std::size_t>(i)]);
   if (s.fluxes.step != w.clock.step) {
     s.fluxes.shares = shares_of_flux(s, w, entry);

@@ -14,6 +14,7 @@
 
 #include "core/frame/averages.hpp"
 #include "core/frame/quantities.hpp"
+#include "core/grains/body_shape.hpp"
 #include "core/io/series.hpp"
 #include "core/io/vtkhdf.hpp"
 #include "core/io/vtp.hpp"
@@ -216,7 +217,7 @@ RunOutputs::RunOutputs(const RunFolder& folder, const Simulation& simulation, co
     if (!walls.empty()) m.walls.emplace(folder, scene, "walls", Content::walls, columns, wall_poly, resume_step, warn);
     if (scene.output.contacts)
       m.contacts.emplace(folder, scene, "contacts", Content::contacts, columns, contact_poly, resume_step, warn);
-    if (std::any_of(scene.sources.begin(), scene.sources.end(), [](const Source& s) { return s.shape >= 0; }))
+    if (makes_bodies(scene))
       m.bodies = continued(folder, folder.path("bodies.pvd"), resume_step, warn, [&](bool resume) {
         return resume ? PvdCollection::resume(folder.dir(), "bodies", resume_step)
                       : PvdCollection(folder.dir(), "bodies");

@@ -144,17 +144,19 @@ void append_bodies(const Rules& rules, const Clock& clock, Rows& rows, Row first
     bodies.size[2L * b] = from.scale;
     bodies.size[2L * b + 1] = from.mass;
     put(bodies.x, b, from.x - rules.scene.domain.lower, from.scale * shape.bound);
-    put(bodies.v, b, from.v - half * clock.gravity, 1 / from.mass);
+    put(bodies.v, b, from.fixed ? from.v : from.v - half * clock.gravity, from.fixed ? 0 : 1 / from.mass);
     double* q = bodies.turn.data() + 4L * b;
     q[0] = from.turn.w, q[1] = from.turn.x, q[2] = from.turn.y, q[3] = from.turn.z;
     put(bodies.spin, b, {}, 0);
+    if (norm2(from.w) > 0) set_angular_velocity(rules, bodies, b, from.w);
     for (Row i = lead; i < lead + from.count; ++i) rows.body[static_cast<std::size_t>(i)] = b;
     place_rows(rules, rows, b);
     std::copy_n(rows.p.data() + 4L * lead, 4L * from.count, rows.p2.data() + 4L * lead);
     const long stride = rows.stride;
     std::copy_n(rows.v.data() + stride * lead, stride * from.count, rows.v2.data() + stride * lead);
     if (energy != nullptr)
-      *energy += 0.5 * from.mass * norm2(from.v) - from.mass * dot(gravity_along(rules, clock, false), from.x);
+      *energy += 0.5 * from.mass * norm2(from.v) + rotation_energy(rules, bodies, b) -
+                 (from.fixed ? 0 : from.mass * dot(gravity_along(rules, clock, false), from.x));
     ++b;
     ++rows.bodies_alive;
     rows.of_bodies += from.count;

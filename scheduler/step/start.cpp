@@ -36,7 +36,7 @@ void set_features(Rules& rules, bool any_fixed) {
   h.planes = !scene.output.flux_planes.empty();
   h.insertion = std::any_of(scene.sources.begin(), scene.sources.end(), acts_later);
   h.events = !scene.events.empty();
-  h.bodies = std::any_of(scene.sources.begin(), scene.sources.end(), [](const Source& s) { return s.shape >= 0; });
+  h.bodies = makes_bodies(scene);
   h.fixed = any_fixed;
   for (const Event& e : scene.events)
     h.fixed = h.fixed || e.action == Event::Action::freeze || e.action == Event::Action::drive;

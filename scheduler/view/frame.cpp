@@ -255,8 +255,10 @@ std::vector<BodyRecord> present_bodies(const World& w) {
     r.x = centre_of(w.rules, w.rows, first);
     r.v = s.v;
     r.w = angular_velocity(w.rules, bodies, b);
-    r.orientation = {s.turn.w, s.turn.x, s.turn.y, s.turn.z};
-    if (const auto& quadric = shape_of(w.rules, bodies, b).quadric) {
+    const BodyShape& shape = shape_of(w.rules, bodies, b);
+    const shapes::Quaternion q = s.turn * conjugate(shape.turn);
+    r.orientation = {q.w, q.x, q.y, q.z};
+    if (const auto& quadric = shape.quadric) {
       r.semi_axes = r.scale * quadric->surface.axes;
       r.exponents = {quadric->surface.n1, quadric->surface.n2};
     }

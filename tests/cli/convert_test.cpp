@@ -49,6 +49,45 @@ TEST_F(Convert, ACsvHasTheBitsOfTheLastFrameAndStartsAnotherRun) {
   EXPECT_EQ(json_value(read("next/summary.json"), "particles"), "60");
 }
 
+/// Bodies become rows of their own, from a run, one of its frames and a checkpoint alike; formats without a place for
+/// them say so.
+TEST_F(Convert, BodiesOfARunAreRowsThatStartAnotherRun) {
+  const std::string shapes =
+      "[[shape]]\nname = \"rod\"\nspheres = [0, 0, -0.004, 0.004, 0, 0, 0.004, 0.004]\n"
+      "[[shape]]\nname = \"egg\"\nkind = \"superquadric\"\nsemi_axes = [0.004, 0.004, 0.008]\n";
+  std::string scene = small_scene(20);
+  const std::size_t at = scene.find("[[source]]");
+  std::string more = shapes;
+  for (const char* shape : {"rod", "egg"})
+    more += "[[source]]\nkind = \"random\"\nnumber = 8\nshape = \"" + std::string(shape) +
+            "\"\n[source.region]\nlower = [0.01, 0.01, 0.05]\nupper = [0.09, 0.09, 0.09]\n";
+  write("bodies.toml", scene + more);
+  Result r = talus({"run", "bodies.toml", "--out", "with", "--quiet"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  ASSERT_EQ(talus({"convert", "with", "state.csv"}).exit_code, 0);
+  const Table t = table_of(read("state.csv"));
+  EXPECT_EQ(t.at("scale").size(), 36U);
+  EXPECT_NE(read("state.csv").find(",rod,1,"), std::string::npos);
+  ASSERT_EQ(talus({"convert", "with/particles.pvd", "again.csv"}).exit_code, 0);
+  EXPECT_EQ(read("again.csv"), read("state.csv"));
+  r = talus({"convert", "with", "state.xyz"});
+  EXPECT_NE(r.err.find("no place for bodies"), std::string::npos) << r.err;
+  write("next.toml", scene.substr(0, at) + shapes + "[[source]]\nkind = \"file\"\nfile = \"state.csv\"\n" +
+                         "[checks]\nallow_initial_overlap = true\n");
+  r = talus({"run", "next.toml", "--out", "next", "--quiet", "--steps", "10"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(json_value(read("next/summary.json"), "particles"), "36");
+  fs::create_directory(folder / "alone");
+  for (const auto& file : fs::directory_iterator(folder / "with/vtp"))
+    if (file.path().filename().string().starts_with("particles-"))
+      fs::copy_file(file.path(), folder / "alone" / file.path().filename());
+  const std::string frame = fs::directory_iterator(folder / "alone")->path().filename().string();
+  r = talus({"convert", "alone/" + frame, "lost.csv"});
+  EXPECT_EQ(r.exit_code, 5);
+  EXPECT_NE(r.err.find("bodies that are no spheres"), std::string::npos) << r.err;
+  EXPECT_FALSE(fs::exists(folder / "lost.csv"));
+}
+
 TEST_F(Convert, FramesGoThroughEveryFormatOfVtkUnchanged) {
   for (const char* to : {"a.vtkhdf", "b/c.pvd"}) {
     if (std::string(to).find('/') != std::string::npos) fs::create_directory(folder / "b");

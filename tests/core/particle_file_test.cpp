@@ -6,6 +6,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -39,6 +40,26 @@ class TemporaryFile {
  private:
   std::filesystem::path path_;
 };
+
+TEST(ParticleFile, RowsOfBodiesByNameIndexAndQuaternionWithFewDigits) {
+  std::vector<ShapeSpec> shapes(2);
+  shapes[0].name = "rod", shapes[1].name = "7";
+  const ParticleFile p = parse_particles(
+      "x,y,z,shape,scale,orientation:0,orientation:1,orientation:2,orientation:3,diameter\n1,2,3,rod,2,0.7071,0,0,0."
+      "7071,0\n"
+      "1,2,3,0,1.5,1,0,0,0,\"0\"\n1,2,3,7,0,1,0,0,0,4\n1,2,3,,,,,,,6\n",
+      "b.csv", k_materials, shapes);
+  EXPECT_EQ(p.shape, (std::vector<std::int32_t>{0, 0, 1, -1}));
+  EXPECT_EQ(p.scale, (std::vector<double>{2, 1.5, 0, 1}));
+  EXPECT_EQ(p.r, (std::vector<double>{0, 0, 2, 3}));
+  double sum = 0;
+  for (const double q : p.turn[0]) sum += q * q;
+  EXPECT_NEAR(sum, 1, 1e-15) << "four digits are enough to be a turn";
+  EXPECT_NEAR(p.turn[0][3], std::sqrt(0.5), 1e-15);
+  const ParticleFile one = parse_particles("x y z radius\n1 2 3 4\n", "b.csv", k_materials, shapes, 1);
+  EXPECT_EQ(one.shape, (std::vector<std::int32_t>{1}));
+  EXPECT_TRUE(parse_particles("x y z radius\n1 2 3 4\n", "b.csv", k_materials, shapes).shape.empty());
+}
 
 TEST(ParticleFile, CsvColumnsComeInAnyOrder) {
   const ParticleFile p = parse_particles(

@@ -1,7 +1,12 @@
 // What tests of bodies in scenes share: words of a source, and sums over the bodies of a simulation.
 #pragma once
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "scheduler/simulation.hpp"
@@ -15,6 +20,23 @@ inline std::string source(const std::string& name, int number, const std::string
                   more + "\n[source.region]\nlower = " + lower + "\nupper = " + upper + "\n";
   return size.empty() ? s : s + "[source.size]\ndiameter = " + size + "\n";
 }
+
+/// A particle file that is gone at the end of the test.
+class Table {
+ public:
+  explicit Table(const std::string& text) {
+    static int number = 0;
+    path_ = std::filesystem::temp_directory_path() / fmt::format("talus_bodies_{}_{}.csv", getpid(), number++);
+    std::ofstream(path_) << text;
+  }
+  ~Table() { std::filesystem::remove(path_); }
+  std::string source(const std::string& more = {}) const {
+    return "[[source]]\nkind = \"file\"\nfile = \"" + path_.string() + "\"\n" + more + "\n";
+  }
+
+ private:
+  std::filesystem::path path_;
+};
 
 inline const Bodies& bodies_of(Simulation& sim) { return EngineAccess::world(sim).rows.bodies; }
 inline const Rules& rules_of(Simulation& sim) { return EngineAccess::world(sim).rules; }

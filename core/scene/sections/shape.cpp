@@ -65,10 +65,10 @@ const Keys<Source> k_source(
     {
         text_key<Source>("shape",
                          "its grains are bodies of this [[shape]]. `size` then is the diameter of the sphere of equal "
-                         "volume, without it bodies have scale 1; number and rates count bodies",
+                         "volume, without it bodies have scale 1; number and rates count bodies. Rows of a file may "
+                         "name others in a column shape",
                          "\"rod\"")
             .absent("(spheres)")
-            .only(k_made)
             .with("[[shape]]\nname = \"rod\"\nspheres = [0, 0, -0.01, 0.01, 0, 0, 0.01, 0.01]\n"),
         key("orientation", &Source::orientation,
             "how bodies lie when they come, from where they turn freely; random: all turns alike; aligned: the shape's "
@@ -146,11 +146,22 @@ void refuse_beside_superquadrics(const SceneTable& root, const Scene& scene) {
   if (law_of(scene).adhesion != nullptr) contact.fail("model", "with adhesion cannot be had of superquadrics");
 }
 
+/// Bodies have one temperature each, contacts, films and an enclosure; what reaches from surface to surface knows
+/// spheres alone.
+void refuse_heat_of_bodies(const SceneTable& root, const Scene& scene) {
+  constexpr const char* refused = "cannot be had of bodies that are no spheres";
+  const SceneTable heat = root.section("heat");
+  if (heat.has("gap")) heat.fail("gap", refused);
+  if (scene.heat.radiation.grains) heat.section("radiation").fail("grains", refused);
+  if (root.has("laser")) root.fail("laser", refused);
+  for (const SceneTable& m : root.sections("material"))
+    if (m.has("heat") && m.section("heat").has("expansion")) m.section("heat").fail("expansion", refused);
+}
+
 void read(const SceneTable& root, Scene& scene) {
   std::vector<std::string> names;
   for (const SceneTable& r : root.sections("shape")) scene.shapes.push_back(read_shape(r, names));
   const std::vector<SceneTable> sources = root.sections("source");
-  bool any = false;
   for (std::size_t k = 0; k < sources.size(); ++k) {
     const SceneTable& r = sources[k];
     Source& s = scene.sources[k];
@@ -158,9 +169,8 @@ void read(const SceneTable& root, Scene& scene) {
     if (r.has("shape")) s.shape = r.index("shape", names, "shape");
     for (const std::string_view key : {"orientation", "orientation_axis"})
       if (s.shape < 0 && r.has(key)) r.fail(key, "has no effect without 'shape'");
-    any = any || s.shape >= 0;
   }
-  if (!any) return;
+  if (!makes_bodies(scene)) return;
   set_natural_sizes(scene);
   // what is said of each sphere by itself would be wrong of the body
   constexpr const char* refused = "cannot be had of bodies that are no spheres";
@@ -169,7 +179,7 @@ void read(const SceneTable& root, Scene& scene) {
   if (scene.output.grid.on) output.fail("grid", refused);
   if (!scene.output.regions.empty()) output.fail("region", refused);
   if (scene.tracer_rate >= 0) root.fail("tracer", refused);
-  if (scene.heat.on) root.fail("heat", refused);
+  if (scene.heat.on) refuse_heat_of_bodies(root, scene);
   if (scene.conversion.on) root.fail("conversion", refused);
   if (scene.gas.on) root.fail("gas", refused);
   if (makes_superquadrics(scene)) refuse_beside_superquadrics(root, scene);

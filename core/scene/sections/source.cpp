@@ -30,7 +30,8 @@ const Keys<Source> k_source(
         text_key<Source>("name", "name for reports", "\"filling\"").absent("(source_0, source_1, ...)").free(),
         key("file", &Source::file,
             "table whose header row names x, y, z, radius (or diameter) and optionally vx, vy, vz, wx, wy, wz, "
-            "material, fixed; or LAMMPS data file (sphere); also gzip; relative to the scene",
+            "material, fixed, and of bodies shape, scale, qw, qx, qy, qz (cases/shapes); or LAMMPS data file (sphere); "
+            "also gzip; relative to the scene",
             "\"state.csv.gz\"")
             .only("kind=file")
             .needed("file", "(required by file)"),
