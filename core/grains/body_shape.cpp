@@ -60,15 +60,18 @@ void check_loading(const ShapeSpec& spec, const BodyShape& body, const std::stri
       where, "kg and m");
 }
 
-/// A sphere within another one adds no shape, and a second force wherever both are met.
-void refuse_hidden(std::span<const shapes::SubSphere> all, const std::string& where) {
-  for (std::size_t i = 0; i < all.size(); ++i)
-    for (std::size_t j = 0; j < all.size(); ++j) {
+/// Without spheres that lie within others: they add no shape, but a second force wherever both are met.
+std::vector<shapes::SubSphere> without_hidden(std::span<const shapes::SubSphere> all) {
+  std::vector<shapes::SubSphere> seen;
+  for (std::size_t j = 0; j < all.size(); ++j) {
+    bool hidden = false;
+    for (std::size_t i = 0; i < all.size() && !hidden; ++i) {
       const double room = all[i].r - all[j].r;
-      if (i == j || room < 0 || norm2(all[i].x - all[j].x) > room * room || (room == 0 && j < i)) continue;
-      throw Error(ErrorCode::scene, fmt::format("sphere {} lies within sphere {}", j + 1, i + 1), where,
-                  "leave it out: it has no surface of its own, and contacts there would be twice as stiff");
+      hidden = i != j && room >= 0 && norm2(all[i].x - all[j].x) <= room * room && (room > 0 || i < j);
     }
+    if (!hidden) seen.push_back(all[j]);
+  }
+  return seen;
 }
 
 /// Largest (x x n) I^-1 (x x n) over unit n: the largest eigenvalue of [x]^T I^-1 [x].
@@ -152,10 +155,10 @@ void load_shape(ShapeSpec& spec, const std::string& directory) {
   if (spec.kind == ShapeSpec::Kind::superquadric) return load_superquadric(spec);
   const std::string where =
       spec.file.empty() ? fmt::format("shape '{}'", spec.name) : fmt::format("shape '{}', {}", spec.name, spec.file);
-  const std::vector<shapes::SubSphere> given = spheres_of(spec, directory);
-  refuse_hidden(given, where);
+  const std::vector<shapes::SubSphere> all = spheres_of(spec, directory), given = without_hidden(all);
   const shapes::MassProperties whole = shapes::union_properties(given, where);
   BodyShape c;
+  c.hidden = static_cast<int>(all.size() - given.size());
   c.volume = whole.volume;
   c.density = spec.mass > 0 ? spec.mass / whole.volume : spec.density;
   c.equal_radius = det::cbrt(whole.volume / (4.0 / 3.0 * det::k_pi));

@@ -28,6 +28,7 @@ struct QuadricShape {
 
 struct BodyShape {
   std::vector<shapes::SubSphere> spheres;  ///< in the principal axes, from the centre of mass [m]
+  int hidden = 0;                          ///< spheres of the scene that lie within others: left out
   double volume = 0;                       ///< of the union [m3]
   double density = 0;                      ///< [kg/m3]; 0: that of the material
   double equal_radius = 0;                 ///< of the sphere of equal volume [m]

@@ -63,6 +63,9 @@ void note_unused(const Scene& scene, std::vector<std::string>& notes) {
     const ShapeSpec& shape = scene.shapes[k];
     if (!any(scene.sources, [&](const Source& s) { return s.shape == static_cast<int>(k); }))
       notes.push_back(fmt::format("shape '{}' is of no use: no source makes bodies of it (source.shape)", shape.name));
+    if (shape.body != nullptr && shape.body->hidden > 0)
+      notes.push_back(fmt::format("shape '{}': {} of its spheres lie within others and are left out", shape.name,
+                                  shape.body->hidden));
     if (const int pieces = pieces_of(shape); pieces > 1)
       notes.push_back(fmt::format("shape '{}' falls into {} pieces that do not touch, yet move as one rigid body",
                                   shape.name, pieces));

@@ -22,12 +22,13 @@ inline Vec3 to_body(const WallPose& p, Vec3 x) noexcept {
          p.origin;
 }
 
-/// World direction of a body-frame direction.
 /// Within [appear, vanish).
 inline bool acts_at(const WallSpec& w, std::int64_t n, double dt) noexcept {
   const double t = static_cast<double>(n) * dt;
   return t >= w.appear && t < w.vanish;
 }
+
+/// World direction of a body-frame direction.
 inline Vec3 direction_to_world(const WallPose& p, Vec3 d) noexcept {
   if (!p.rotated) return d;
   const auto& m = p.rotation;

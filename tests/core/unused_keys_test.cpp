@@ -101,6 +101,18 @@ TEST(UnusedTables, AClumpThatFallsApartIsSaid) {
   EXPECT_EQ(with("0, 0, 0, 0.01, 0, 0, 0.02, 0.01, 0, 0, 0.035, 0.01"), "") << "touching is enough";
 }
 
+TEST(UnusedTables, SpheresWithinOthersAreLeftOutAndThisIsSaid) {
+  const std::string source =
+      "[[source]]\nkind = \"random\"\nnumber = 1\nshape = \"s\"\n[source.region]\n"
+      "lower = [0, 0, 0]\nupper = [1, 1, 1]\n";
+  const auto with = [&](const std::string& spheres) {
+    return notes("[[shape]]\nname = \"s\"\nspheres = [" + spheres + "]\n" + source);
+  };
+  EXPECT_CONTAINS(with("0, 0, 0, 0.02, 0, 0, 0.005, 0.01, 0, 0, 0, 0.02"), "2 of its spheres lie within others");
+  EXPECT_CONTAINS(with("0, 0, 0.01, 0.01, 0, 0, 0, 0.02"), "1 of its spheres lie within others");  // from inside
+  EXPECT_EQ(with("0, 0, 0.011, 0.01, 0, 0, 0, 0.02"), "");
+}
+
 TEST(UnusedTables, CurvesThatDoNotHoldWhereGrainsBeginAreSaid) {
   const std::string source =
       "[[source]]\nkind = \"random\"\nnumber = 1\n[source.region]\nlower = [0, 0, 0]\nupper = "

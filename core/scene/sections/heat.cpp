@@ -50,8 +50,7 @@ const Keys<General> k_heat(
             .usual("", "none")
             .also({"thermal_conductivity"}),
         key("emissivity", &General::emissivity, "-", k_share,
-            "of the surfaces of materials that give none; needs [heat.radiation]", "0.85")
-            .with("[heat.radiation]\nenclosure = 1200\n"),
+            "of the surfaces of materials that give none, where there is radiation", "0.85"),
         key("young", &General::young, "Pa", k_positive,
             "real modulus of materials that give none: contacts of a softened model are too wide, and conduct as real "
             "ones would",
@@ -81,9 +80,9 @@ const Keys<MatterHeat> k_material(
             "{ table = [[300, 1.1], [800, 1.6]] }")
             .absent("(heat.conductivity)")
             .with(k_with),
-        key("emissivity", &MatterHeat::emissivity, "-", k_share, "of the surface; needs [heat.radiation]", "0.9")
+        key("emissivity", &MatterHeat::emissivity, "-", k_share, "of the surface, where there is radiation", "0.9")
             .absent("(heat.emissivity)")
-            .with("[heat]\ntemperature = 300\ncapacity = 800\nconductivity = 1\n[heat.radiation]\nenclosure = 1200\n"),
+            .with(k_with),
         key("young", &MatterHeat::young, "Pa", k_positive, "real modulus", "7e10").absent("(heat.young)").with(k_with),
         key("expansion", &MatterHeat::expansion, "1/K", {0, 1e-2},
             "rise of the radius per rise of the temperature: radius = a (1 + expansion T), where a source gives the "
@@ -212,7 +211,8 @@ void check_melting(const SceneTable& material, const MatterHeat& m) {
   if (m.liquidus < m.solidus) material.fail("liquidus", "must not be below the solidus");
 }
 
-/// What all materials say themselves, or nothing asks for, is read by nobody.
+/// What all materials say themselves is read by nobody. (A property that no part asks for is no fault: it is the
+/// material's, and radiation may be switched on and off.)
 void refuse_unused(const SceneTable& heat, const std::vector<SceneTable>& materials) {
   for (const char* name : {"capacity", "conductivity", "emissivity", "young"}) {
     const bool of_grains = std::string_view(name) == "capacity" || std::string_view(name) == "conductivity";
@@ -221,11 +221,6 @@ void refuse_unused(const SceneTable& heat, const std::vector<SceneTable>& materi
     };
     if (heat.has(name) && std::all_of(materials.begin(), materials.end(), own))
       heat.fail(name, "has no effect: every material has its own");
-    if (std::string_view(name) != "emissivity" || heat.has("radiation")) continue;
-    constexpr const char* nothing = "has no effect without [heat.radiation]";
-    if (heat.has(name)) heat.fail(name, nothing);
-    for (const SceneTable& m : materials)
-      if (m.has("heat") && m.section("heat").has(name)) m.section("heat").fail(name, nothing);
   }
 }
 
