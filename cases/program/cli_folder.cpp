@@ -11,7 +11,7 @@
 #include "core/grains/region.hpp"
 #include "core/io/atomic_file.hpp"
 #include "core/scene/scene_file.hpp"
-#include "core/walls/wall_jump.hpp"
+#include "core/walls/shapes/jump.hpp"
 #include "scheduler/simulation.hpp"
 
 namespace talus::cli {

@@ -150,6 +150,13 @@ bool insert_batch(const Rules& rules, const Clock& clock, const WallSet& walls, 
   return true;
 }
 
+double elastic_in(const Column<double>& energies, const Rows& rows) {
+  double sum = 0;
+  for (Row i = 0; i < rows.n; ++i)
+    if (rows.is_alive(i)) sum = sum + energies[4 * static_cast<std::size_t>(i)];
+  return sum;
+}
+
 void remove_row(const Rules& rules, const Clock& clock, Rows& rows, Lists& lists, Ledger& ledger, Counters& counters,
                 Parts& parts, Row i) {
   if (!rows.is_alive(i)) return;

@@ -19,6 +19,8 @@ void apply_events(const Rules& rules, Clock& clock, Rows& rows, Lists& lists, Le
 /// Appends the batch of the present step. False: there is none. A pack that finds no room is Error{physics}.
 bool insert_batch(const Rules& rules, const Clock& clock, const WallSet& walls, Insertion& insertion, Rows& rows,
                   Contacts& contacts, Ledger& ledger, Counters& counters, Parts& parts);
+/// Sum of the elastic energies of rows that are there [J].
+double elastic_in(const Column<double>& energies, const Rows& rows);
 /// Marks a row dead (I2) and counts it.
 void remove_row(const Rules& rules, const Clock& clock, Rows& rows, Lists& lists, Ledger& ledger, Counters& counters,
                 Parts& parts, Row i);

@@ -77,7 +77,8 @@ void check_step(World& w) {
   if (clock.stop) return;
   if (w.rules.has.walls) w.walls.set_step(clock.step, scene.dt);
   if (w.rules.has.energies && walls_change(scene, clock.step))
-    w.ledger.inserted += elastic_energy(w, clock.step) - elastic_energy(w, clock.step - 1);
+    w.ledger.inserted +=
+        elastic_in(energy_rows(w, clock.step), w.rows) - elastic_in(energy_rows(w, clock.step - 1), w.rows);
   if (w.rules.has.moving_walls) judge_walls(w.rules, w.rows, w.walls);
   const bool insertion = w.rules.has.insertion && w.insertion->next_step(clock.step) == clock.step;
   const bool epoch = clock.step % scene.sort_every == 0;

@@ -36,9 +36,9 @@ void run_insert(World& w, Chunk&) {
   if (event_due(w.rules, w.clock)) {
     // events end contacts and begin some, with all the energy that is in them
     const bool counts = w.rules.has.energies && w.clock.step > 0;
-    const double before = counts ? elastic_energy(w, w.clock.step) : 0;
+    const double before = counts ? elastic_in(energy_rows(w, w.clock.step), w.rows) : 0;
     apply_events(w.rules, w.clock, w.rows, w.lists, w.ledger, w.counters, w.parts, w.monitor);
-    if (counts) w.ledger.inserted += elastic_energy(w, w.clock.step) - before;
+    if (counts) w.ledger.inserted += elastic_in(energy_rows(w, w.clock.step), w.rows) - before;
   }
   if (!w.rules.has.insertion || w.insertion->next_step(w.clock.step) != w.clock.step) return;
   const bool came =

@@ -302,32 +302,16 @@ std::vector<WallLoad> wall_loads(const World& w) {
 
 }  // namespace
 
-namespace {
-
-void find_energies(World& c) {
+Column<double> energy_rows(const World& w, std::optional<std::int64_t> walls_of) {
+  const std::unique_ptr<World> copy = copy_of(w, true, walls_of.has_value());
+  World& c = *copy;
+  for (std::size_t k = 0; walls_of && k < w.rules.scene.walls.size(); ++k)
+    c.walls.act(static_cast<int>(k), acts_at(w.rules.scene.walls[k], *walls_of, w.rules.scene.dt));
   with_contacts(c, [&](Chunk& q) {
     force_chunk(c.rules, c.clock, c.rows, c.ledger.rows, q, {});
     if (c.rules.has.walls) wall_chunk(c.rules, c.clock, c.rows, c.lists, c.walls, c.ledger.rows, q);
   });
-}
-
-}  // namespace
-
-Column<double> energy_rows(const World& w) {
-  const std::unique_ptr<World> copy = copy_of(w, true);
-  find_energies(*copy);
-  return std::move(copy->ledger.rows);
-}
-
-double elastic_energy(const World& w, std::int64_t walls_of) {
-  const std::unique_ptr<World> copy = copy_of(w, true, true);
-  for (std::size_t k = 0; k < w.rules.scene.walls.size(); ++k)
-    copy->walls.act(static_cast<int>(k), acts_at(w.rules.scene.walls[k], walls_of, w.rules.scene.dt));
-  find_energies(*copy);
-  double sum = 0;
-  for (Row i = 0; i < copy->rows.n; ++i)
-    if (copy->rows.is_alive(i)) sum = sum + copy->ledger.rows[4 * static_cast<std::size_t>(i)];
-  return sum;
+  return std::move(c.ledger.rows);
 }
 
 Frame frame_of(const World& w, const FrameRequest& q) {

@@ -45,11 +45,11 @@ TEST(UnusedKeys, PartsOfAMotionThatDoNotMakeOneAreRefused) {
                   "wall.0.motion.amplitude: [0, 0, 0.01]: has no effect without 'freq");
   EXPECT_CONTAINS(with("frequency = 5"), "wall.0.motion.frequency: 5: has no effect without 'amplitude'");
   EXPECT_CONTAINS(with("frequency = 5, phase = 0.5"), "has no effect without 'amplitude'");
-  EXPECT_CONTAINS(with("phase = 0.5"), "wall.0.motion.phase: 0.5: has no effect without 'frequency'");
+  EXPECT_CONTAINS(with("phase = 0.5"), "wall.0.motion.phase: 0.5: has no effect without 'amplitude'");
   EXPECT_CONTAINS(with("rotation_axis = [1, 0, 0]"), "has no effect without 'rotation_rate'");
   EXPECT_CONTAINS(with("velocity = [1, 0, 0], rotation_origin = [1, 0, 0]"), "has no effect without 'rotation_rate'");
-  EXPECT_CONTAINS(with("start = 1"), "wall.0.motion.start: 1: has no effect without 'velocity', 'rotation_rate'");
-  EXPECT_CONTAINS(with("end = 1"), "wall.0.motion.end: 1: has no effect without");
+  EXPECT_CONTAINS(with("start = 1"), "wall.0.motion.start: 1: has no effect without a motion");
+  EXPECT_CONTAINS(with("end = 1"), "wall.0.motion.end: 1: has no effect without a motion");
   EXPECT_EQ(with("amplitude = [0, 0, 0.01], frequency = 0, start = 1"), "accepted") << "a value of a study";
   EXPECT_EQ(with("rotation_rate = 0, rotation_axis = [1, 0, 0], end = 1"), "accepted");
 }

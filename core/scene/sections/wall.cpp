@@ -1,6 +1,4 @@
 // [[wall]] and [wall.motion].
-#include <algorithm>
-
 #include "core/scene/sections/sections.hpp"
 
 namespace talus {
@@ -99,21 +97,29 @@ const Keys<WallMotion> k_motion(
             .beside("velocity = [0.1, 0, 0]"),
     });
 
+/// Keys that move nothing without others. A zero may be one of a study's values; what is not given has been forgotten.
+void refuse_idle(const SceneTable& r) {
+  const SceneKey* bounds = nullptr;
+  bool moves = false;
+  for (const SceneKey& k : scene_keys()) {
+    if (k.section != k_motion.section().name || !r.has(k.name)) continue;
+    if (k.name == "start" || k.name == "end") {
+      bounds = &k;
+      continue;
+    }
+    moves = true;
+    for (const std::string_view line : split_words(k.beside, "\n"))
+      if (const std::string_view other = line.substr(0, line.find(' ')); !other.empty() && !r.has(other))
+        r.fail(k.name, fmt::format("has no effect without '{}'", other));
+  }
+  if (bounds != nullptr && !moves) r.fail(bounds->name, "has no effect without a motion");
+}
+
 WallMotion read_motion(const SceneTable& r) {
   WallMotion m;
   k_motion.read(r, m);
   if (!(m.end > m.start)) r.fail("end", "must be after 'start'");
-  // a zero may be one of a study's values; what is not given has been forgotten
-  const auto needs = [&](std::initializer_list<const char*> names, std::initializer_list<const char*> one_of,
-                         const char* words) {
-    if (std::any_of(one_of.begin(), one_of.end(), [&](const char* other) { return r.has(other); })) return;
-    for (const char* name : names)
-      if (r.has(name)) r.fail(name, fmt::format("has no effect without {}", words));
-  };
-  needs({"amplitude", "phase"}, {"frequency"}, "'frequency'");
-  needs({"frequency", "phase"}, {"amplitude"}, "'amplitude'");
-  needs({"rotation_axis", "rotation_origin"}, {"rotation_rate"}, "'rotation_rate'");
-  needs({"start", "end"}, {"velocity", "rotation_rate", "amplitude"}, "'velocity', 'rotation_rate' or 'amplitude'");
+  refuse_idle(r);
   return m;
 }
 

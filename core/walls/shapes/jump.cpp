@@ -1,5 +1,5 @@
-// See wall_jump.hpp.
-#include "core/walls/wall_jump.hpp"
+// See jump.hpp.
+#include "core/walls/shapes/jump.hpp"
 
 #include <algorithm>
 #include <vector>
