@@ -1,6 +1,6 @@
 #!/bin/bash
 # Pictures of pages, made by a headless Chromium (apt-get install chromium): bash cases/screenshots.sh [TALUS]. The report of a
-# tutorial lesson (top and whole), and all pictures of the README; perf/report/picture.png is the former, smaller.
+# tutorial lesson (top and whole), and all pictures of the README; cases/tutorial/2-material/report.png is the former, smaller.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 talus=${1:-build/talus}
@@ -23,10 +23,10 @@ with open(os.path.join(sys.argv[1], "readme.html"), "w", encoding="utf-8") as f:
     f.write(f"<body style='display: flex; flex-wrap: wrap'>{page}")
 PYTHON
 shot readme 1250 1100 "$out/readme.html"
-"$python" - "$out/report.png" perf/report/picture.png <<'PYTHON'
+"$python" - "$out/report.png" cases/tutorial/2-material/report.png <<'PYTHON'
 import sys
 from PIL import Image
 image = Image.open(sys.argv[1]).convert("RGB")
-image.resize((image.width * 2 // 3, image.height * 2 // 3), Image.LANCZOS).quantize(128, dither=Image.Dither.NONE).save(sys.argv[2], optimize=True)
+image.resize((image.width * 2 // 3, image.height * 2 // 3), Image.LANCZOS).quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(sys.argv[2], optimize=True)
 PYTHON
-ls -l perf/report/picture.png
+ls -l cases/tutorial/2-material/report.png

@@ -105,13 +105,13 @@ def picture(path, s, bed):
         whole = s["conversion." + (name if name != "char" else "mass")][0]
         left.plot(s["time"], s["conversion." + name] / whole, label=label + (" (of all mass)" if name == "char" else ""))
     left.set(xlabel="time [s]", ylabel="share of the first value")
-    left.legend()
     shown = [b for b in bed if b[0] > 0][:: max(1, (len(bed) - 1) // 5)]
     for t, z, c in shown:
         line, = right.plot(c["mean_temperature"], 1e3 * z, label=f"{t:.0f} s")
         right.plot(c["centre_temperature"], 1e3 * z, ":", color=line.get_color())
     right.set(xlabel="temperature [K] (mean; dots: centre)", ylabel="height [mm]")
-    right.legend()
+    for axes in (left, right):  # above, where it covers no curve
+        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=5, frameon=False, fontsize=9, handlelength=1.4, columnspacing=1.2)
     fig.tight_layout()
     fig.savefig(path, bbox_inches="tight", dpi=110)
 

@@ -270,9 +270,10 @@ void add_other_commands(const Adder& add, Options& o, cli::ShapeOptions& shape) 
 
   sub = add("help", "help on a command, on keys (talus help scene [KEY]), on files and columns (talus help output)",
             cli::help);
-  sub->add_option("topic", o.topic,
-                  "a command, a key or section of a scene, scene, grain, output, exit; reference (Markdown), man, "
-                  "bash, zsh: the same for other readers");
+  sub->add_option(
+      "topic", o.topic,
+      "a command, a key or section of a scene, or one of scene, grain, output, exit; reference (Markdown), man, "
+      "bash, zsh: the same for other readers");
   sub->add_option("key", o.key, "a key such as contact.friction, or a section");
 }
 }  // namespace

@@ -78,7 +78,7 @@ def cards(s):
     card("steps per rebuild", "mean_interval", lambda v: f"{v:.4g}")
     card("shortest interval", "shortest_interval", lambda v: f"{grouped(v)} steps")
     card("list policy", "policy")
-    card("K, chosen by the run: the last" if s.get("verlet_k_automatic") else "K", "verlet_k", lambda v: f"{v:.4g}")
+    card("last K that the run chose" if s.get("verlet_k_automatic") else "K", "verlet_k", lambda v: f"{v:.4g}")
     card("threads", "threads")
     card("instruction set", "isa")
     card("contact law", "law", small=True)
