@@ -156,7 +156,8 @@ constexpr GrainKey k_keys[] = {
      "500"},
     {"surroundings", "oxygen", T::series, "-", 0, 1, false, "", "0", "mass fraction in the gas", "0.233"},
     {"surroundings", "carbon_dioxide", T::series, "-", 0, 1, false, "", "0", "mass fraction in the gas", "0.1"},
-    {"surroundings", "steam", T::series, "-", 0, 1, false, "", "0", "mass fraction in the gas", "0.2"},
+    {"surroundings", "steam", T::series, "-", 0, 1, false, "", "0",
+     "mass fraction in the gas; it slows drying, and does not condense", "0.2"},
     {"surroundings", "pressure", T::number, "Pa", 1e3, 1e8, false, "", "101325", "", "101325"},
 };
 

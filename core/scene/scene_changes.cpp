@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 
@@ -67,8 +68,13 @@ class Judge {
     if ((section == "source" || section == "source.region") && table.rule == AtResume::physics && !stream(value))
       return fixed_by("only a stream can deliver differently from now on");
     if (section == "event" && past_differs_) return fixed_by("an event that has happened cannot be changed");
-    if (value.name == "every" && within_a_step(section))
-      return fixed_by("the state is within a step of this length: go on from a checkpoint between two");
+    if (value.name == "every" && within_a_step(section)) {
+      said_ = fmt::format(
+          "the state is within a step of this length: first go on to step {}, which lies between two of "
+          "both lengths, with the former values (--steps {})",
+          between(section), between(section));
+      return fixed_by(said_);
+    }
     if (section == "output" && value.name == "energies")
       return after_.output.energies ? fixed_by("the balance has to begin with the run") : k_free;
     if (section == "output.plane" && before_.output.flux_planes.empty()) return k_free;
@@ -101,19 +107,25 @@ class Judge {
   }
 
   /// Heat, conversion and gas sum over `every` steps, which the state is in the middle of.
+  static std::int64_t length(const std::string& section, const Scene& s) {
+    return section == "heat"         ? s.heat.every
+           : section == "conversion" ? s.conversion.every
+           : section == "gas"        ? s.gas.every
+                                     : 1;
+  }
   bool within_a_step(const std::string& section) const {
-    const auto length = [&](const Scene& s) {
-      return section == "heat"         ? s.heat.every
-             : section == "conversion" ? s.conversion.every
-             : section == "gas"        ? s.gas.every
-                                       : 1;
-    };
-    return step_ % length(before_) != 0 || step_ % length(after_) != 0;
+    return step_ % length(section, before_) != 0 || step_ % length(section, after_) != 0;
+  }
+  /// The next step at which one of either length ends.
+  std::int64_t between(const std::string& section) const {
+    const std::int64_t both = std::lcm(length(section, before_), length(section, after_));
+    return (step_ / both + 1) * both;
   }
 
   const Scene &before_, &after_;
   std::int64_t step_;
   bool past_differs_ = false;
+  mutable std::string said_;  ///< of the rule given last
 };
 
 std::string shortened(const std::string& s) { return s.size() > 60 ? s.substr(0, 57) + "..." : s; }

@@ -129,6 +129,25 @@ TEST(SceneChanges, HeatStepsGetAnotherLengthOnlyBetweenTwo) {
   EXPECT_EQ(changed(10, 20, 40), AtResume::physics);
 }
 
+TEST(SceneChanges, GasStepsTooAndARefusalNamesTheStepThatAllowsIt) {
+  const auto resumed = [](int from, int to, std::int64_t step) {
+    const auto blown = [](int every) {
+      const std::string n = std::to_string(every);
+      return scene({"heat.temperature=290", "heat.capacity=800", "heat.conductivity=0.2", "heat.every=" + n,
+                    "gas.cells=[1,1,1]", "gas.every=" + n});
+    };
+    return scene_changes({{}, blown(from)}, blown(to), step);
+  };
+  const std::vector<SceneChange> refused = resumed(320, 240, 1171616), allowed = resumed(320, 240, 1172160);
+  EXPECT_EQ(refused.size(), 2U);
+  EXPECT_EQ(allowed.size(), 2U);
+  for (const SceneChange& c : refused) {
+    EXPECT_EQ(c.rule, AtResume::fixed);
+    EXPECT_NE(c.why.find("--steps 1172160"), std::string::npos) << c.why;
+  }
+  for (const SceneChange& c : allowed) EXPECT_EQ(c.rule, AtResume::physics);
+}
+
 TEST(SceneChanges, WallsAreKnownByNameAndShape) {
   const Scene before = scene().scene;
   EXPECT_TRUE(wall_numbers(before, scene({"wall.1.motion.velocity=[2,0,0]"}).scene).empty());

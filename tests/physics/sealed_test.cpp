@@ -60,6 +60,20 @@ TEST(SealedBox, HotGrainsWarmTheGasAtConstantVolume) {
   EXPECT_NEAR(value_of(sim, "gas.pressure_work"), room * 101325 * (low / 300 - 1), 1e-9);
 }
 
+TEST(HeatAdvice, SaysWhatRadiationAllowsOnceGrainsAreHot) {
+  // rho c r / 3 / (4 sigma e T^3) = 700 * 800 * 0.002 / 3 / (4 * 5.670374e-8 * 0.9 * 2300^3) = 0.150322 s
+  for (const double dt : {0.1, 0.2}) {
+    std::string text = box(dt, 300, "", "[heat.radiation]\nenclosure = 2300\n");
+    const std::size_t gas = text.find("[gas]");
+    text.erase(gas, text.find("[heat.radiation]") - gas);
+    const Simulation sim(parse_scene(text, "hot", "/"), RunOptions{});
+    int said = 0;
+    for (const auto& [part, line] : sim.part_advice())
+      said += line.find("(2300 K), radiation alone allows 1 and time.step = 0.15 s") != std::string::npos;
+    EXPECT_EQ(said, dt > 0.15 ? 1 : 0);
+  }
+}
+
 TEST(SealedBox, SteamThatWouldCondenseIsSaidOnce) {
   const std::string wet = "temperature = 370\nfractions = [0, 0, 0, 0.3, 0, 0, 0, 0.7]";
   Simulation cold(parse_scene(box(0.001, 300, wet), "wet", "/"), RunOptions{});

@@ -20,7 +20,8 @@ const Keys<ConversionScene> k_conversion(
             "contact steps per step of conversion, which is linearly implicit; radius and mass go in a straight line "
             "to what came out of the last one; beside [heat] it must be heat.every",
             "100")
-            .with(k_wood),
+            .with(k_wood)
+            .acts(),
         key("shells", &ConversionScene::shells, "-", {1, 32}, "shells of a grain", "20").with(k_wood),
         key("gone_below", &ConversionScene::gone_below, "-", {0, 1},
             "grains leave below this share of their first radius; their ash is counted; 0: never", "0.3")

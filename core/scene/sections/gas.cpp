@@ -34,7 +34,8 @@ const Keys<GasSettings> k_gas(
             "[4, 4, 12]")
             .required(),
         key("every", &GasSettings::every, "-", {1, 1e9},
-            "steps between two gas steps; the flow is quasi-steady, heat and species are transient", "200"),
+            "steps between two gas steps; the flow is quasi-steady, heat and species are transient", "200")
+            .acts(),
         key("drag", &GasSettings::drag,
             "drag on the grains, beside the force of the pressure gradient: ergun (dense beds only), gidaspow (ergun "
             "below "
