@@ -106,6 +106,18 @@ bool edge_hit(const Body& body, double bound, const WallPiece& p, Hit& hit) {
   return found;
 }
 
+/// The line from the centre to the deepest point behind a facet goes through it, no border of which is met: a thin body
+/// has come through its middle.
+bool pierced(const Body& body, const WallPiece& p, Hit& hit) {
+  const Vec3 n = normal_of(p);
+  const WallContact c = plane_contact(body, p.corner[0], (dot(body.centre - p.corner[0], n) < 0 ? -1 : 1) * n);
+  const Vec3 way = (c.point + (0.5 * c.overlap) * c.normal) - body.centre;
+  const double height = dot(way, c.normal);
+  if (!(height > 0) || !inside(p, n, body.centre + ((height - c.overlap) / height) * way)) return false;
+  hit = {c, foot_of(c), &p, true};
+  return true;
+}
+
 /// From inside a long body meets a cylinder in two places.
 void add_cylinder(const Body& body, const WallPiece& p, std::vector<Hit>& hits) {
   ConeWall wall;
@@ -129,7 +141,8 @@ void add_face(const Body& body, const WallPiece& p, std::vector<Hit>& hits, std:
   const double side = dot(body.centre - p.corner[0], n) < 0 ? -1 : 1;
   const WallContact c = plane_contact(body, p.corner[0], side * n);
   if (!(c.overlap > 0)) return;  // the plane parts them
-  if (p.kind == WallPiece::Kind::plane || inside(p, n, c.point))
+  PairCount count;
+  if (p.kind == WallPiece::Kind::plane || (inside(p, n, c.point) && freed_by_face(body, p.corner, c, count)))
     hits.push_back({c, foot_of(c), &p, true});
   else
     edges.push_back(&p);
@@ -209,7 +222,8 @@ void body_wall_contacts(const Body& body, double bound, const WallSet& walls, st
   accept(hits, pieces, slack, accepted);
   for (const WallPiece* p : edges) {
     Hit h;
-    if (!hidden(*p, accepted, pieces, slack) && edge_hit(body, bound, *p, h)) late.push_back(h);
+    if (hidden(*p, accepted, pieces, slack)) continue;
+    if (edge_hit(body, bound, *p, h) || pierced(body, *p, h)) late.push_back(h);
   }
   if (!late.empty()) {
     hits.insert(hits.end(), late.begin(), late.end());

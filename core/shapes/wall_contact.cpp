@@ -1,6 +1,9 @@
 // Implementation of wall_contact.hpp.
 #include "core/shapes/wall_contact.hpp"
 
+#include <tuple>
+#include <utility>
+
 #include "core/base/det_math.hpp"
 
 namespace talus::shapes {
@@ -87,6 +90,27 @@ WallContact edge_contact(const Body& body, Vec3 a, Vec3 b, PairCount& count) noe
   return {e.normal, e.overlap, e.point};
 }
 
+bool freed_by_face(const Body& body, const Vec3 (&corner)[3], const WallContact& c, PairCount& count) noexcept {
+  const Vec3 deepest = c.point + (0.5 * c.overlap) * c.normal, way = deepest - body.centre;
+  const double height = dot(way, c.normal);
+  // where the line from the centre to the deepest point meets the plane, the body does
+  const Vec3 area = cross(corner[1] - corner[0], corner[2] - corner[0]);
+  if (height > 0 && inside(corner, area, body.centre + ((height - c.overlap) / height) * way)) return true;
+  bool met = false;
+  for (int k = 0; k < 3; ++k) {
+    Vec3 a = corner[k], b = corner[(k + 1) % 3];
+    if (std::tie(b.x, b.y, b.z) < std::tie(a.x, a.y, a.z)) std::swap(a, b);
+    const WallContact e = edge_contact(body, a, b, count);
+    if (!(e.overlap > 0)) continue;
+    met = true;
+    const Vec3 foot = e.point - (0.5 * e.overlap) * e.normal;
+    bool all_behind = true;
+    for (const Vec3& x : corner) all_behind = all_behind && dot(x - foot, e.normal) >= -1e-9 * norm(b - a);
+    if (all_behind && e.overlap < c.overlap) return false;
+  }
+  return met;  // a convex section that holds no border of the facet and a point out of it holds none of the facet
+}
+
 WallContact triangle_contact(const Body& body, const Vec3 (&corner)[3], PairMemory (&memory)[3],
                              PairCount& count) noexcept {
   const Vec3 area = cross(corner[1] - corner[0], corner[2] - corner[0]);
@@ -94,7 +118,7 @@ WallContact triangle_contact(const Body& body, const Vec3 (&corner)[3], PairMemo
   const double side = dot(body.centre - corner[0], normal) < 0 ? -1 : 1;
   WallContact best = plane_contact(body, corner[0], side * normal);
   if (!(best.overlap > 0)) return best;  // the plane parts them
-  if (inside(corner, normal, best.point)) return best;
+  if (inside(corner, normal, best.point) && freed_by_face(body, corner, best, count)) return best;
   best.overlap = -1e300;
   for (int k = 0; k < 3; ++k) {
     const PairContact e = solve_pair(body, segment(corner[k], corner[(k + 1) % 3]), memory[k], count);

@@ -27,6 +27,10 @@ WallContact edge_contact(const Body& body, Vec3 a, Vec3 b, PairCount& count) noe
 WallContact triangle_contact(const Body& body, const Vec3 (&corner)[3], PairMemory (&memory)[3],
                              PairCount& count) noexcept;
 
+/// `c`: of the plane of a facet, whose foot lies in the facet. False: the body meets the facet nowhere, or is freed
+/// from it by a shorter way over an edge: its deepest point hangs beyond a rim that the body does not reach.
+bool freed_by_face(const Body& body, const Vec3 (&corner)[3], const WallContact& c, PairCount& count) noexcept;
+
 /// Lateral surface of a cylinder or cone: its outward normals are n(phi) = cosine radial(phi) + sine axis, and it is
 /// where n . (x - apex) = reach. Cylinder: cosine 1, sine 0, reach its radius. A cone of half angle alpha that opens
 /// along the axis: cosine = cos alpha, sine = - sin alpha, reach 0.

@@ -65,8 +65,7 @@ TEST_F(Convert, BodiesOfARunAreRowsThatStartAnotherRun) {
   Result r = talus({"run", "bodies.toml", "--out", "with", "--quiet"});
   ASSERT_EQ(r.exit_code, 0) << r.err;
   ASSERT_EQ(talus({"convert", "with", "state.csv"}).exit_code, 0);
-  const Table t = table_of(read("state.csv"));
-  EXPECT_EQ(t.at("scale").size(), 36U);
+  EXPECT_EQ(lines(read("state.csv")).size(), 37U) << "a header, and a row for each grain";
   EXPECT_NE(read("state.csv").find(",rod,1,"), std::string::npos);
   ASSERT_EQ(talus({"convert", "with/particles.pvd", "again.csv"}).exit_code, 0);
   EXPECT_EQ(read("again.csv"), read("state.csv"));

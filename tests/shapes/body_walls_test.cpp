@@ -126,6 +126,59 @@ TEST(BodyWalls, ABodyMeetsSomethingExactlyWhereSomeFacetIsMet) {
   EXPECT_GT(by_edges, 25);
 }
 
+/// Least of the body's gauge over the surface of a box: below 1 where some point of it lies in the body. The gauge is
+/// convex, so that its place on a face is found by ever finer grids.
+double least_gauge(const Superquadric& s, const Body& body, Vec3 low, Vec3 high) {
+  double least = 1e300;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double at : {low[axis], high[axis]}) {
+      const int a = (axis + 1) % 3, b = (axis + 2) % 3;
+      double from[2] = {low[a], low[b]}, to[2] = {high[a], high[b]}, best[2] = {from[0], from[1]}, value = 1e300;
+      for (int level = 0; level < 6; ++level) {
+        constexpr int n = 10;
+        for (int i = 0; i <= n; ++i)
+          for (int j = 0; j <= n; ++j) {
+            Vec3 x;
+            x[axis] = at;
+            x[a] = from[0] + (to[0] - from[0]) * i / n;
+            x[b] = from[1] + (to[1] - from[1]) * j / n;
+            const double g = testing::gauge(s, to_body(body.turn, x - body.centre));
+            if (g < value) value = g, best[0] = x[a], best[1] = x[b];
+          }
+        const double lower[2] = {low[a], low[b]}, upper[2] = {high[a], high[b]};
+        for (int k = 0; k < 2; ++k) {
+          const double step = (to[k] - from[k]) / n;
+          from[k] = fmax2(lower[k], best[k] - 3 * step);
+          to[k] = fmin2(upper[k], best[k] + 3 * step);
+        }
+      }
+      least = fmin2(least, value);
+    }
+  return least;
+}
+
+// The deepest point of a long body that leans over a rim hangs beyond the side below, which the body does not reach.
+TEST(BodyWalls, ALongBodyMeetsABoxExactlyWhereItReachesIt) {
+  const Walls walls;
+  const Vec3 low{6, 6, 2}, high{12, 13, 4};
+  Draw draw(19);
+  int met = 0, apart = 0;
+  for (int k = 0; k < 600; ++k) {
+    const Superquadric s = draw.shape(2, 20, 10);
+    const double bound = bounding_radius(s);
+    Vec3 c;
+    for (int q = 0; q < 3; ++q) c[q] = (draw.uniform() < 0.5 ? low : high)[q] + draw.uniform(-1, 1);
+    if (c.z - bound < 0.01 || c.x + bound > 13.99) continue;  // floor and plate
+    const Body body = make_body(s, smallest_radius(s), c, draw.turn());
+    const double gauge = least_gauge(s, body, {6, 6, 0}, high);
+    if (std::fabs(gauge - 1) < 1e-3) continue;
+    EXPECT_EQ(walls.contacts(body, bound).empty(), gauge > 1) << k << ": " << gauge;
+    ++(gauge < 1 ? met : apart);
+  }
+  EXPECT_GT(met, 100);
+  EXPECT_GT(apart, 50);
+}
+
 TEST(BodyWalls, BallMeetsACylinderAsASphereDoesFromInsideAndOutside) {
   const Scene scene = tube_scene();
   WallSet set(scene, 4, 4);
