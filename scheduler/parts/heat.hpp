@@ -119,6 +119,8 @@ struct HeatState {
 };
 
 void heat_contacts(HeatState& s, const PartView& w, const Chunk& c);  ///< heat_contacts.cpp
+/// The rows of a body behind its first one, i, show what that has come to; heat_bodies.cpp
+void share_with_body(HeatState& s, const PartView& w, Row i);
 /// Of the contact that rows i and j have now; `overlap` of their spheres; 0 of rows of one body [W/K].
 double conductance_between(const HeatState& s, const PartView& w, Row i, Row j, double overlap);
 double heat_of_pair(const HeatState& s, const PartView& w, Row i, Row j, double overlap);  ///< conducted into i [W]

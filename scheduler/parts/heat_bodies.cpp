@@ -3,6 +3,7 @@
 
 #include "core/shapes/pair_contact.hpp"
 #include "core/shapes/surface_area.hpp"
+#include "scheduler/parts/heat.hpp"
 #include "scheduler/team/pools.hpp"
 
 namespace talus {
@@ -94,6 +95,17 @@ std::optional<ShapedMeeting> shaped_contact(const PartView& w, Row i, Row j) {
   shapes::PairCount count;
   const shapes::PairContact c = shapes::solve_pair(surface_of(w, a, {}), surface_of(w, o, way), memory, count);
   return ShapedMeeting{c.overlap, swapped ? -c.normal : c.normal};
+}
+
+void share_with_body(HeatState& s, const PartView& w, Row i) {
+  const auto at = static_cast<std::size_t>(i);
+  for (Row k = i + 1; k < end_of_grain(w, i); ++k) {
+    const auto to = static_cast<std::size_t>(k);
+    s.next_enthalpy[to] = s.enthalpy[to];
+    s.next_temperature[to] = s.next_temperature[at];
+    if (s.molten.any) s.molten.next[to] = s.molten.next[at];
+    if (s.scene.friction) s.loss[to] = 0;
+  }
 }
 
 }  // namespace talus

@@ -268,18 +268,6 @@ class HeatStep {
     });
   }
 
-  /// The other rows of a body show what the first one has come to.
-  void share(Row i) {
-    const auto at = static_cast<std::size_t>(i);
-    for (Row k = i + 1; k < end_of_grain(w_, i); ++k) {
-      const auto to = static_cast<std::size_t>(k);
-      s_.next_enthalpy[to] = s_.enthalpy[to];
-      s_.next_temperature[to] = s_.next_temperature[at];
-      if (s_.molten.any) s_.molten.next[to] = s_.molten.next[at];
-      if (s_.scene.friction) s_.loss[to] = 0;
-    }
-  }
-
   void refuse_overshoot() const {
     const BlockSums* worst = nullptr;
     for (const BlockSums& b : sums_)
@@ -329,7 +317,7 @@ class HeatStep {
       }
       sum.change = fmax2(sum.change, __builtin_fabs(s_.next_temperature[at] - s_.temperature[at]));
       if (s_.sizes.any) expand(i);
-      share(i);
+      share_with_body(s_, w_, i);
       if (!(s_.next_temperature[at] > 0 && s_.next_temperature[at] <= k_hottest)) sum.worst = i;
     });
   }
