@@ -85,6 +85,11 @@ TEST(GrainFile, NoStepOvershootsWhatIsAroundTheGrain) {
       text.replace(text.find("step = 0.1\nduration = 1\n"), 24,
                    fmt::format("step = {}\nduration = {}\n", step, 40 * step));
       text.replace(text.find("density = 600"), 13, "density = 600\nemissivity = 1");
+      const bool radiates = around.find("wall") != std::string::npos;
+      if (radiates && step > 100) {
+        EXPECT_THROW(grain_table(parse_grain(text, "g.toml")), Error) << "bounded, or refused";
+        continue;
+      }
       const std::string table = grain_table(parse_grain(text, "g.toml"));
       for (const char* name : {"centre_temperature", "mean_temperature", "surface_temperature"})
         for (const double T : column(table, name)) {
