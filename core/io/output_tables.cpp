@@ -16,7 +16,9 @@ constexpr OutputFile k_files[] = {
     {"checkpoint-<N>.tcp", "output.checkpoint_wall",
      "state after step N, for --resume; the newest two are kept, and a run ends with one"},
     {"series.csv", "output.csv_every", "the time series, a row per interval"},
-    {"particles.pvd", "output.particles_every", "list of the particle frames: open this one in ParaView"},
+    {"particles.pvd", "output.particles_every",
+     "list of the particle frames: open this one in ParaView; with [[shape]] a row per sphere of a body, and a column "
+     "body: id of the first of them, of a sphere that is no body's its own"},
     {"walls.pvd", "output.particles_every", "the same for walls; cell column wall: number of the wall, from 0"},
     {"contacts.pvd", "output.contacts", "the same for contacts, a point each"},
     {"bodies.pvd", "source.shape",
