@@ -1,8 +1,8 @@
 // VTKHDF writer; see vtkhdf.hpp. How VTK finds frame k (one part per step, so PartOffsets[k] = k): points at
 // PointOffsets[k]; the cell offsets of a kind at CellOffsets[k] + (number of parts before k), since every part stores
 // NumberOfCells + 1 of them; connectivity at ConnectivityIdOffsets[k]. VTK up to 9.3 counts all parts before k; later
-// ones count parts only until the cells before the frame are reached, which skips empty parts directly before it. A spare
-// entry in Offsets where a kind has cells right after an empty frame (CellOffsets then runs one ahead) makes both agree.
+// ones count parts only until the cells before the frame are reached, which skips empty parts directly before it. A
+// spare entry where a kind has cells right after an empty frame (CellOffsets then runs one ahead) makes both agree.
 #include "core/io/vtkhdf.hpp"
 
 #include <fcntl.h>

@@ -41,8 +41,8 @@ void warn_of_shortfalls(const Rules& rules, const Clock& clock, const Insertion&
 void warn_of_part(const Clock& clock, const std::string& part, const PartConcern& found, Monitor& monitor);
 /// Warns at construction of meshes with defects, or known less well than the grains need.
 void warn_of_meshes(const Rules& rules, const Clock& clock, const WallSet& walls, Monitor& monitor);
-/// Begins the chunk's extremes of a sampled step with the stiffness of the contacts of each row: before the integration,
-/// which clears the force rows.
+/// Begins the chunk's extremes of a sampled step with the stiffness of the contacts of each row: before the
+/// integration, which clears the force rows.
 void observe_stiffness(const Rules& rules, const Rows& rows, Chunk& c);
 /// The other extremes, from the step that has just been integrated.
 void observe_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Chunk& c);
