@@ -12,7 +12,7 @@ namespace {
 volatile std::sig_atomic_t g_signal = 0, g_asked = 0, g_early = 0;
 std::int64_t g_asked_at = 0;  ///< [ns]; the handler's own: its signals wait for each other
 /// Within this time after the first a signal is the same wish: `timeout` signals a process and then its group.
-constexpr std::int64_t k_one_wish = 500'000'000;  // [ns]
+constexpr std::int64_t k_one_wish = 100'000'000;  // [ns]
 // SIGPIPE and SIGXFSZ come from the run's own writes, again with every further one.
 constexpr std::array k_signals{SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ};
 std::array<struct sigaction, k_signals.size()> g_former;

@@ -1,6 +1,6 @@
 // Turns the signals that ask a run to end into a flag that the run loop reads between slices. Called by cli_run.cpp
 // only. Invariant: the handler only stores number and time; a second signal from a user ends the process at once, one
-// within half a second of the first is the same (timeout and job schedulers signal a process and its group).
+// within a tenth of a second of the first is the same (timeout and job schedulers signal a process and its group).
 #pragma once
 
 namespace talus::cli {

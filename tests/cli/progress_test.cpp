@@ -173,7 +173,7 @@ int fate(std::initializer_list<int> signals) {
     const SignalGuard guard;
     for (const int s : signals)
       if (s == k_later)
-        std::this_thread::sleep_for(std::chrono::milliseconds(600));
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
       else
         raise(s);
     _exit(guard.caught() == *signals.begin() ? 0 : 99);
