@@ -203,7 +203,9 @@ TEST(PhysicsLedger, CountsTheSpringsOfContactsThatEventsAndWallsEndAndBegin) {
     (appears ? p.s.walls[1].appear : p.s.walls[1].vanish) = 5e-5;
     if (appears) p.s.walls[0].appear = 5e-5;
     const auto [in, residual] = p.run();
-    if (!appears) EXPECT_NEAR(in, -1, exact);
+    if (!appears) {
+      EXPECT_NEAR(in, -1, exact);
+    }
     // a force that is there at once, of d k, at a speed of up to d w: half a step of it counts on one side
     const double w = std::sqrt(2 * Pressed::k / sphere_mass(2500, Pressed::r));
     EXPECT_LT(residual, appears ? w * p.s.dt : moving);
