@@ -352,7 +352,8 @@ std::vector<std::uint8_t> Gas::save() const {
 void Gas::load(std::span<const std::uint8_t> bytes, const std::string& where) {
   start(FromGrains(grid_.cells()));  // gives everything its size
   if (bytes.size() != save().size())
-    throw Error(ErrorCode::io, "the gas of the checkpoint lies on another grid", where, "gas.cells as they were");
+    throw Error(ErrorCode::io, "the gas of the checkpoint lies on another grid", where,
+                "gas.cells, and the version of the program, as they were");
   std::memcpy(&balance_, bytes.data(), sizeof balance_);
   std::memcpy(&steps_, bytes.data() + sizeof balance_, sizeof steps_);
   bytes = bytes.subspan(sizeof balance_ + sizeof steps_);
