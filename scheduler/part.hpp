@@ -67,13 +67,6 @@ struct RowSizes {
   double *radius, *mass;  ///< [m], [kg]; a radius of 0: the row leaves
 };
 
-/// What a part's own step has found that the user should know.
-struct PartConcern {
-  std::string kind, text;  ///< a kind is said once, its count goes on; text: where, how much, what it means
-  double value = 0, level = 0;
-  std::int64_t count = 1;
-};
-
 class Part {
  public:
   Part() = default;

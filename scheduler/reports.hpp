@@ -85,6 +85,13 @@ struct Plan {
   std::string graph;  ///< text picture: nodes in order with edges
 };
 
+/// What a part's own step has found that the user should know.
+struct PartConcern {
+  std::string kind, text;  ///< a kind is said once, its count goes on; text: where, how much, what it means
+  double value = 0, level = 0;
+  std::int64_t count = 1;
+};
+
 /// Something that the run-time monitor has seen, one entry per kind (mesh: per wall), in order of appearance; before
 /// them what was ignored in the particle files (kind particle_file).
 struct Warning {

@@ -22,14 +22,6 @@ bool gravity_by_event(const Scene& scene) {
                      [](const Event& e) { return e.action == Event::Action::gravity; });
 }
 
-/// The work of pressure is left out of the gas: right where it can leave, not in a vessel that is shut and heated.
-bool bomb(const Scene& s) {
-  const bool heated = s.heat.on || s.conversion.on || s.gas.combustion;
-  return s.gas.on && heated && std::none_of(s.gas.inlets.begin(), s.gas.inlets.end(), [](const GasInlet& i) {
-           return i.kind == GasInlet::Kind::pressure;
-         });
-}
-
 /// Pieces of a clump that do not touch each other.
 int pieces_of(const ShapeSpec& shape) {
   if (shape.body == nullptr || shape.kind != ShapeSpec::Kind::clump) return 1;
@@ -75,6 +67,16 @@ void note_unused(const Scene& scene, std::vector<std::string>& notes) {
       notes.push_back(fmt::format("group '{}' is of no use: no event concerns it (event.group)", scene.groups[k].name));
 }
 
+/// Defaults of [heat] that every material has its own of.
+void note_overridden(const SceneText& text, std::vector<std::string>& notes) {
+  for (const char* name : {"capacity", "conductivity", "emissivity", "young"}) {
+    const auto own = std::count_if(text.values.begin(), text.values.end(),
+                                   [&](const SceneValue& v) { return v.section == "material.heat" && v.name == name; });
+    if (given(text, "heat", name) && own == static_cast<std::ptrdiff_t>(text.scene.materials.size()))
+      notes.push_back(fmt::format("heat.{} is of no use: every material has its own", name));
+  }
+}
+
 /// Curves that do not hold at the temperature that grains begin with keep the value of their nearer end.
 void note_curves(const Scene& scene, std::vector<std::string>& notes) {
   if (!scene.heat.on) return;
@@ -118,15 +120,12 @@ std::vector<std::string> forgotten_keys(const SceneText& text) {
         "no restitution is given, so impacts lose nothing (contact.restitution = 0.8; 1, or contact.normal_damping = "
         "0, "
         "says that it is meant)");
-  if (bomb(scene))
-    notes.push_back(
-        "no side of the gas is open to a pressure, and it is heated: its pressure rises, but its temperature as if it "
-        "could expand, which is too little in a closed vessel (gas.inlet.kind = \"pressure\" opens a side)");
   if (none_of({{"output", "particles_every"}, {"output", "csv_every"}}))
     notes.push_back(
         "no output is asked for, so only the summary and the last state are kept (output.particles_every, "
         "output.csv_every; 0 says that it is meant)");
   note_unused(scene, notes);
+  note_overridden(text, notes);
   note_curves(scene, notes);
   return notes;
 }

@@ -2,12 +2,15 @@
 // rows, counters. Once per step, in chunk order.
 #pragma once
 
+#include "core/walls/walls.hpp"
 #include "scheduler/lists/lists.hpp"
-#include "scheduler/part.hpp"
 #include "scheduler/reports.hpp"
+#include "scheduler/state/contacts.hpp"
 #include "scheduler/state/ledger.hpp"
 
 namespace talus {
+
+struct Parts;
 
 /// StepFailure: overlaps too deep, unstable rows, rows that are no number.
 void report_failures(const Rules& rules, const Rows& rows, const Contacts& contacts, const WallSet& walls);

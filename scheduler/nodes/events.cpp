@@ -6,6 +6,7 @@
 #include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
 #include "core/grains/region.hpp"
+#include "scheduler/part.hpp"
 
 namespace talus {
 

@@ -6,11 +6,12 @@
 #include "core/walls/walls.hpp"
 #include "scheduler/lists/lists.hpp"
 #include "scheduler/nodes/monitor.hpp"
-#include "scheduler/part.hpp"
 #include "scheduler/reports.hpp"
 #include "scheduler/state/ledger.hpp"
 
 namespace talus {
+
+struct Parts;
 
 bool event_due(const Rules& rules, const Clock& clock);
 /// All events that are due; warns of those that concern no grain.

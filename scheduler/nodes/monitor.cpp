@@ -11,7 +11,6 @@
 #include "core/grains/source_notes.hpp"
 #include "core/meshes/mesh_file.hpp"
 #include "scheduler/nodes/surface.hpp"
-#include "scheduler/part.hpp"
 #include "scheduler/state/step_failure.hpp"
 #include "scheduler/team/parallel.hpp"
 

@@ -19,8 +19,6 @@
 
 namespace talus {
 
-struct PartConcern;
-
 inline constexpr int k_sample_every = 64;   ///< [steps]; a full look costs about 20 ns per particle
 inline constexpr int k_energy_every = 256;  ///< [steps]
 

@@ -74,22 +74,6 @@ TEST(HeatKeys, WhatCannotBeRightIsRefusedWithItsPlace) {
                   "heat.young: missing");
 }
 
-TEST(HeatKeys, WhatNoMaterialTakesFromHeatIsRefused) {
-  const std::string own =
-      "[[material]]\nname = \"glass\"\ndensity = 2500\nheat = { capacity = 1, conductivity = 2, emissivity = 0.5, "
-      "young "
-      "= 9e10 }\n";
-  const std::string heat = "[heat]\ntemperature = 300\n", radiation = "[heat.radiation]\nenclosure = 400\n";
-  EXPECT_EQ(refusal(own + heat + radiation), "accepted");
-  EXPECT_EQ(refusal(own + heat), "accepted");  // a property of the material: radiation may be switched off
-  for (const char* key : {"capacity = 5", "conductivity = 5", "emissivity = 0.5", "young = 5e10"})
-    EXPECT_CONTAINS(refusal(own + heat + key + "\n" + radiation), "has no effect: every material has its own") << key;
-  const std::string second = "[[material]]\nname = \"wood\"\ndensity = 600\n";
-  EXPECT_EQ(
-      refusal(own + second + heat + "capacity = 5\nconductivity = 5\nemissivity = 0.5\nyoung = 5e10\n" + radiation),
-      "accepted");
-}
-
 TEST(HeatKeys, TheRealModulusIsNotBelowThatOfTheModel) {
   const auto with = [](const std::string& young) {
     try {

@@ -113,6 +113,14 @@ TEST(UnusedTables, SpheresWithinOthersAreLeftOutAndThisIsSaid) {
   EXPECT_EQ(with("0, 0, 0.011, 0.01, 0, 0, 0, 0.02"), "");
 }
 
+TEST(UnusedTables, DefaultsOfHeatThatEveryMaterialOverridesAreSaid) {
+  const std::string heat = "[heat]\ntemperature = 300\ncapacity = 800\nconductivity = 1\n";
+  EXPECT_EQ(notes(heat), "");
+  EXPECT_CONTAINS(notes(heat + "[material.heat]\nconductivity = 5\n"),
+                  "heat.conductivity is of no use: every material has its own");
+  EXPECT_EQ(notes(heat + "[material.heat]\nconductivity = 5\n[[material]]\nname = \"n\"\ndensity = 1\n"), "");
+}
+
 TEST(UnusedTables, CurvesThatDoNotHoldWhereGrainsBeginAreSaid) {
   const std::string source =
       "[[source]]\nkind = \"random\"\nnumber = 1\n[source.region]\nlower = [0, 0, 0]\nupper = "

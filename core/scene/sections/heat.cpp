@@ -211,19 +211,6 @@ void check_melting(const SceneTable& material, const MatterHeat& m) {
   if (m.liquidus < m.solidus) material.fail("liquidus", "must not be below the solidus");
 }
 
-/// What all materials say themselves is read by nobody. (A property that no part asks for is no fault: it is the
-/// material's, and radiation may be switched on and off.)
-void refuse_unused(const SceneTable& heat, const std::vector<SceneTable>& materials) {
-  for (const char* name : {"capacity", "conductivity", "emissivity", "young"}) {
-    const bool of_grains = std::string_view(name) == "capacity" || std::string_view(name) == "conductivity";
-    const auto own = [&](const SceneTable& m) {
-      return (m.has("heat") && m.section("heat").has(name)) || (of_grains && m.has("grain"));
-    };
-    if (heat.has(name) && std::all_of(materials.begin(), materials.end(), own))
-      heat.fail(name, "has no effect: every material has its own");
-  }
-}
-
 /// Materials take what they lack from [heat].
 void read_matter(const SceneTable& heat, const std::vector<SceneTable>& materials, const General& general,
                  HeatScene& h) {
@@ -294,7 +281,6 @@ void read(const SceneTable& root, Scene& scene) {
   HeatScene& h = scene.heat = general;
   h.on = true;
   read_matter(r, root.sections("material"), general, h);
-  refuse_unused(r, root.sections("material"));
   check_young(root, r, scene);
   check_pace(root, r, h);
   const std::vector<SceneTable> sources = root.sections("source");
