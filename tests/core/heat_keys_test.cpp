@@ -4,7 +4,6 @@
 #include "core/base/error.hpp"
 #include "core/heat/property.hpp"
 #include "core/scene/scene_file.hpp"
-#include "core/scene/scene_forgotten.hpp"
 
 namespace talus {
 namespace {
@@ -117,22 +116,6 @@ TEST(HeatKeys, PropertyThatLeavesItsRangeIsRefusedWithTheTemperature) {
         "{ polynomial = [1], range = [5, 4] }", "[1, 2]", "\"high\"", "0", "{}"})
     EXPECT_CONTAINS(with(wrong), "heat.capacity: ");
   EXPECT_CONTAINS(with("{ table = [[300, 1], [400, 0]] }"), "must be a number");
-}
-
-TEST(GasKeys, AHeatedVesselWithoutASideThatIsOpenToAPressureIsSaid) {
-  const auto said = [](const std::string& text) {
-    for (const std::string& note :
-         forgotten_keys(read_scene_text(k_scene + "[[material]]\nname = \"g\"\ndensity = 1\n" + text, "t", ".", {})))
-      if (note.find("closed vessel") != std::string::npos) return true;
-    return false;
-  };
-  const std::string gas = "[gas]\ncells = [2, 2, 2]\n", burns = "combustion = true\n",
-                    in = "[[gas.inlet]]\nside = \"bottom\"\nvelocity = 1\n",
-                    open = "[[gas.inlet]]\nside = \"top\"\nkind = \"pressure\"\n";
-  EXPECT_TRUE(said(gas + burns));
-  EXPECT_TRUE(said(gas + burns + in));
-  EXPECT_FALSE(said(gas + burns + in + open));
-  EXPECT_FALSE(said(gas + in)) << "nothing heats it";
 }
 
 }  // namespace
