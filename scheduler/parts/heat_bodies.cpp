@@ -1,37 +1,12 @@
 // See heat_bodies.hpp.
 #include "scheduler/parts/heat_bodies.hpp"
 
-#include "core/shapes/pair_contact.hpp"
 #include "core/shapes/surface_area.hpp"
+#include "scheduler/nodes/surface.hpp"
 #include "scheduler/parts/heat.hpp"
 #include "scheduler/team/pools.hpp"
 
 namespace talus {
-namespace {
-
-shapes::Quaternion turn_of(const PartView& w, std::int32_t b) {
-  const double* q = w.rows.bodies.turn.data() + 4L * b;
-  return {q[0], q[1], q[2], q[3]};
-}
-
-/// Radius of the largest sphere within [m].
-double thickness(const PartView& w, Row i) {
-  const BodyShape* shape = shaped_body(w, i);
-  return shape != nullptr ? w.rows.bodies.scale(w.rows.body_of(i)) * shape->smallest : w.rows.p[4L * i + 3];
-}
-
-shapes::Body surface_of(const PartView& w, Row i, Vec3 at) {
-  const BodyShape* shape = shaped_body(w, i);
-  const double r = w.rows.p[4L * i + 3];
-  if (shape == nullptr) return shapes::make_body({{r, r, r}, 2, 2}, r, at, {});
-  const std::int32_t b = w.rows.body_of(i);
-  const double scale = w.rows.bodies.scale(b);
-  shapes::Superquadric s = shape->quadric->surface;
-  s.axes = scale * s.axes;
-  return shapes::make_body(s, scale * shape->quadric->roundness, at, turn_of(w, b));
-}
-
-}  // namespace
 
 std::vector<double> areas_of_shapes(const Scene& scene) {
   std::vector<double> areas;
@@ -43,11 +18,7 @@ std::vector<double> areas_of_shapes(const Scene& scene) {
 }
 
 const BodyShape* shaped_body(const PartView& w, Row i) {
-  if (!w.rules.has.superquadrics) return nullptr;
-  const std::int32_t b = w.rows.body_of(i);
-  if (b < 0) return nullptr;
-  const BodyShape& shape = shape_of(w.rules, w.rows.bodies, b);
-  return shape.quadric && !shape.quadric->ball ? &shape : nullptr;
+  return w.rules.has.superquadrics ? superquadric_of(w.rules, w.rows, i) : nullptr;
 }
 
 Row end_of_grain(const PartView& w, Row i) {
@@ -67,12 +38,8 @@ double heat_size(const PartView& w, Row i) {
 }
 
 double contact_radius(const PartView& w, Row i, Vec3 n) {
-  const BodyShape* shape = shaped_body(w, i);
-  if (shape == nullptr) return w.rows.p[4L * i + 3];
-  const std::int32_t b = w.rows.body_of(i);
-  const Vec3 m = shapes::to_body(shapes::rotation(turn_of(w, b)), n);
-  return w.rows.bodies.scale(b) *
-         shapes::hertz_radius(shapes::radii_of_curvature(shape->quadric->surface, m), shape->quadric->flat);
+  if (shaped_body(w, i) == nullptr) return w.rows.p[4L * i + 3];
+  return hertz_radius_of(surface_of(w.rules, w.rows, i), n);
 }
 
 std::optional<ShapedMeeting> shaped_contact(const PartView& w, const Chunk& c, std::int64_t q) {
@@ -82,7 +49,8 @@ std::optional<ShapedMeeting> shaped_contact(const PartView& w, const Chunk& c, s
   if (share < 0) return {};
   const Row i = c.scratch->ci[at], j = c.scratch->cj[at];
   const Column<double>* n = c.contacts.h + w.rules.has.law_columns;
-  return ShapedMeeting{share * fmin2(thickness(w, i), thickness(w, j)), {n[0][at], n[1][at], n[2][at]}};
+  const double inner = fmin2(surface_of(w.rules, w.rows, i).inner, surface_of(w.rules, w.rows, j).inner);
+  return ShapedMeeting{share * inner, {n[0][at], n[1][at], n[2][at]}};
 }
 
 std::optional<ShapedMeeting> shaped_contact(const PartView& w, Row i, Row j) {
@@ -93,7 +61,8 @@ std::optional<ShapedMeeting> shaped_contact(const PartView& w, Row i, Row j) {
   const Vec3 way = w.rules.scene.domain.box().nearest({y[0] - x[0], y[1] - x[1], y[2] - x[2]});
   shapes::PairMemory memory;
   shapes::PairCount count;
-  const shapes::PairContact c = shapes::solve_pair(surface_of(w, a, {}), surface_of(w, o, way), memory, count);
+  const shapes::PairContact c = shapes::solve_pair(surface_of(w.rules, w.rows, a).body({}),
+                                                   surface_of(w.rules, w.rows, o).body(way), memory, count);
   return ShapedMeeting{c.overlap, swapped ? -c.normal : c.normal};
 }
 
