@@ -1,4 +1,5 @@
-"""A run in ParaView 5.10 or newer: grains as spheres coloured by speed, each wall under its own name.
+"""A run in ParaView 5.10 or newer: grains coloured by speed, each wall under its own name. Superquadrics have their surfaces
+(surfaces.pvd, made where it is missing or old), all other grains are spheres.
 
     TALUS_RUN=results/hopper-20k paraview --script=cases/view.py
     pvpython cases/view.py RUN [PICTURE.png]
@@ -12,6 +13,17 @@ import re
 import sys
 
 from paraview import simple
+
+# ParaView may run this text without a file name of its own.
+HERE = os.path.dirname(os.path.abspath(globals().get("__file__", "cases/view.py")))
+
+# Rows of bodies that have a surface get no sphere.
+WITHOUT_SURFACE = """
+import numpy as np
+grains, bodies = inputs[0].PointData, inputs[1].PointData
+flat = bodies["id"][bodies["semi_axes"][:, 0] > 0] if "semi_axes" in bodies.keys() else np.zeros(0)
+output.PointData.append(1.0 * np.isin(grains["body"], flat), "has_surface")
+"""
 
 
 def wall_names(folder):
@@ -32,14 +44,39 @@ def file_of(folder, stem):
     return None
 
 
+def surfaces_of(folder):
+    """The surfaces of superquadrics in the pipeline; None where there are none."""
+    bodies, path = (os.path.join(folder, name) for name in ("bodies.pvd", "surfaces.pvd"))
+    if not os.path.exists(bodies):
+        return None
+    if not os.path.exists(path) or os.path.getmtime(path) < os.path.getmtime(bodies):
+        sys.path[:0] = [os.path.join(HERE, "shapes")]
+        import surfaces
+        if surfaces.make(folder) == 0:
+            return None
+    found = simple.OpenDataFile(path)
+    simple.RenameSource("superquadrics", found)
+    return found
+
+
+def spheres_beside(surfaces, folder, grains):
+    """The rows of grains that have no surface."""
+    if surfaces is None:
+        return grains
+    bodies = simple.OpenDataFile(file_of(folder, "bodies"))
+    marked = simple.ProgrammableFilter(Input=[grains, bodies], Script=WITHOUT_SURFACE, CopyArrays=1)
+    return simple.Threshold(Input=marked, Scalars=["POINTS", "has_surface"], LowerThreshold=0, UpperThreshold=0)
+
+
 def load(folder):
-    """(spheres, {wall name: piece}) in the pipeline."""
+    """(spheres, surfaces or None, {wall name: piece}) in the pipeline."""
     path = file_of(folder, "particles")
     if path is None:
         raise SystemExit(f"error: {folder}: no particle frames (run with output.particles_every > 0)")
     grains = simple.OpenDataFile(path)
     simple.RenameSource("grains", grains)
-    spheres = simple.Glyph(Input=grains, GlyphType="Sphere")
+    surfaces = surfaces_of(folder)
+    spheres = simple.Glyph(Input=spheres_beside(surfaces, folder, grains), GlyphType="Sphere")
     spheres.GlyphMode = "All Points"
     spheres.ScaleArray = ["POINTS", "diameter"]
     spheres.OrientationArray = ["POINTS", "No orientation array"]
@@ -58,38 +95,62 @@ def load(folder):
             name = names[k] if k < len(names) else f"wall {k}"
             simple.RenameSource(name, piece)
             walls[name] = piece
-    return spheres, walls
+    return spheres, surfaces, walls
 
 
-def show(spheres, walls, view):
-    display = simple.Show(spheres, view)
-    simple.ColorBy(display, ("POINTS", "velocity", "Magnitude"))
-    display.RescaleTransferFunctionToDataRange(True)
-    display.SetScalarBarVisibility(view, True)
+def show(spheres, surfaces, walls, view):
+    # The last frame first: colours and camera fit what is seen, and in the first frame often nothing moves.
+    animation = simple.GetAnimationScene()
+    animation.UpdateAnimationUsingDataTimeSteps()
+    animation.GoToLast()
+    for grains in filter(None, (spheres, surfaces)):
+        grains.UpdatePipeline(animation.AnimationTime)
+        if grains.GetDataInformation().GetNumberOfPoints() == 0:
+            continue
+        display = simple.Show(grains, view)
+        simple.ColorBy(display, ("POINTS", "velocity", "Magnitude"))
+        display.RescaleTransferFunctionToDataRange(True)
+        display.SetScalarBarVisibility(view, True)
+    colours = simple.GetColorTransferFunction("velocity")
+    colours.ApplyPreset("Viridis (matplotlib)", True)
+    bar = simple.GetScalarBar(colours, view)
+    bar.Title, bar.ComponentTitle = "speed [m/s]", ""
+    bar.TitleFontSize = bar.LabelFontSize = 14
+    bar.Orientation, bar.WindowLocation = "Horizontal", "Lower Center"
+    bar.TitleColor = bar.LabelColor = [0, 0, 0]
     for piece in walls.values():
         d = simple.Show(piece, view)
         d.Opacity = 0.15
-        simple.ColorBy(d, None)
+        d.ColorArrayName = ["POINTS", ""]  # one colour; ColorBy(d, None) fails in 5.11 where there were no colours yet
+        d.DiffuseColor = [0.5, 0.5, 0.5]
+    view.UseColorPaletteForBackground = 0
     view.Background = [1, 1, 1]
-    simple.GetAnimationScene().UpdateAnimationUsingDataTimeSteps()
-    simple.GetAnimationScene().GoToLast()
-    view.ViewUp, view.CameraPosition = [0, 0, 1], [0.6, -2, 0.5]
+    view.CameraViewUp, view.CameraPosition = [0, 0, 1], [0.6, -2, 0.5]
     view.CameraFocalPoint = [0, 0, 0]
     simple.ResetCamera(view)
 
 
+def points_of(source, times):
+    if source is None:
+        return 0
+    source.UpdatePipeline(times[-1])
+    return source.GetDataInformation().GetNumberOfPoints()
+
+
 def main():
-    folder = os.environ.get("TALUS_RUN") or (sys.argv[1] if len(sys.argv) > 1 else ".")
-    spheres, walls = load(folder)
+    given = [a for a in sys.argv[1:] if os.path.isdir(a)]
+    folder = given[0] if given else os.environ.get("TALUS_RUN", ".")
+    spheres, surfaces, walls = load(folder)
     if "--check" in sys.argv:
         times = list(simple.FindSource("grains").TimestepValues)
-        simple.FindSource("grains").UpdatePipeline(times[-1])
-        points = simple.FindSource("grains").GetDataInformation().GetNumberOfPoints()
-        print(f"{len(times)} frames, {points} grains in the last, walls: {', '.join(walls) or 'none'}")
+        print(f"{len(times)} frames, {points_of(spheres.Input, times)} spheres and {points_of(surfaces, times)} points of surfaces "
+              f"in the last, walls: {', '.join(walls) or 'none'}")
         return
     view = simple.GetActiveViewOrCreate("RenderView")
-    show(spheres, walls, view)
     pictures = [a for a in sys.argv[1:] if a.endswith(".png")]
+    if pictures:
+        view.ViewSize = [1000, 800]
+    show(spheres, surfaces, walls, view)
     if pictures:
         simple.SaveScreenshot(pictures[0], view, ImageResolution=[1000, 800])
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Surfaces of superquadrics for ParaView: python3 surfaces.py RUN [--points 24].
 
-Reads bodies.pvd of a run and writes surfaces.pvd beside it: triangles of every superquadric, with point columns id, shape and
-speed. Any version of ParaView opens it.
+Reads bodies.pvd of a run and writes surfaces.pvd beside it: triangles of every superquadric, with point columns id, shape,
+velocity and speed. Any version of ParaView opens it; view.py calls it by itself.
 """
 import argparse
 import os
@@ -26,7 +26,8 @@ def surfaces(centres, columns, points):
         base += len(x)
     owner = np.concatenate(owner)
     speed = np.linalg.norm(columns["velocity"], axis=1)
-    data = {"id": columns["id"][owner], "shape": columns["shape"][owner], "speed": speed[owner]}
+    data = {"id": columns["id"][owner], "shape": columns["shape"][owner], "velocity": columns["velocity"][owner],
+            "speed": speed[owner]}
     return np.concatenate(all_points), np.concatenate(all_triangles), data
 
 
@@ -40,11 +41,33 @@ def write_vtp(path, points, triangles, data):
                 f'<Piece NumberOfPoints="{len(points)}" NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0" '
                 f'NumberOfPolys="{len(triangles)}">\n<PointData>\n')
         for name, values in data.items():
-            f.write(array(name, "Float32" if name == "speed" else "Int64", values))
+            f.write(array(name, "Int64" if values.dtype.kind == "i" else "Float32", values, values[0].size))
         f.write("</PointData>\n<Points>\n" + array("Points", "Float32", points, 3) + "</Points>\n<Polys>\n"
                 + array("connectivity", "Int64", triangles)
                 + array("offsets", "Int64", 3 * np.arange(1, len(triangles) + 1))
                 + "</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n")
+
+
+def make(run, points=24):
+    """Writes surfaces.pvd of a run; returns the number of its frames. Frames without superquadrics have none."""
+    with open(os.path.join(run, "bodies.pvd"), encoding="utf-8") as f:
+        lines = f.read().splitlines()
+    kept, written = [], 0
+    for line in lines:
+        if "<DataSet" in line:
+            name = line.split('file="')[1].split('"')[0]
+            centres, columns, _ = read_vtp(os.path.join(run, name))
+            if "semi_axes" not in columns or not (columns["semi_axes"][:, 0] > 0).any():
+                continue
+            target = name.replace("bodies-", "surfaces-")
+            write_vtp(os.path.join(run, target), *surfaces(centres, columns, points))
+            line = line.replace(name, target)
+            written += 1
+        kept.append(line)
+    if written:
+        with open(os.path.join(run, "surfaces.pvd"), "w", encoding="utf-8") as out:
+            out.write("\n".join(kept) + "\n")
+    return written
 
 
 def main():
@@ -52,22 +75,7 @@ def main():
     parser.add_argument("run")
     parser.add_argument("--points", type=int, default=24, help="around a body")
     options = parser.parse_args()
-    with open(os.path.join(options.run, "bodies.pvd"), encoding="utf-8") as f:
-        lines = f.read().splitlines()
-    written = 0
-    with open(os.path.join(options.run, "surfaces.pvd"), "w", encoding="utf-8") as out:
-        for line in lines:
-            if "<DataSet" not in line:
-                out.write(line + "\n")
-                continue
-            name = line.split('file="')[1].split('"')[0]
-            centres, columns, _ = read_vtp(os.path.join(options.run, name))
-            if "semi_axes" not in columns:
-                continue
-            target = name.replace("bodies-", "surfaces-")
-            write_vtp(os.path.join(options.run, target), *surfaces(centres, columns, options.points))
-            out.write(line.replace(name, target) + "\n")
-            written += 1
+    written = make(options.run, options.points)
     if written == 0:
         raise SystemExit(f"{options.run}: no frame has superquadrics")
     print(f"{written} frames in {os.path.join(options.run, 'surfaces.pvd')}")

@@ -274,5 +274,53 @@ TEST_F(Outputs, FramesOfContactsUseNoMoreThreadsThanTheRun) {
   EXPECT_EQ(most, 1);
 }
 
+// Two chips with surfaces, a rod of two spheres and three spheres: five spheres are left to draw.
+TEST_F(Outputs, ParaViewShowsGrainsAndWallsOfARunByTheScript) {
+  if (std::system("command -v pvpython > /dev/null 2>&1") != 0) GTEST_SKIP() << "no ParaView here";
+  std::string scene = R"(title = "mixed"
+[domain]
+lower = [0, 0, 0]
+upper = [0.06, 0.02, 0.02]
+boundary = ["wall", "periodic", "open"]
+[time]
+step = 1e-5
+duration = 1e-3
+[[material]]
+name = "g"
+density = 1000
+[contact]
+normal_stiffness = 1000.0
+restitution = 0.5
+[[shape]]
+name = "chip"
+kind = "superquadric"
+semi_axes = [0.002, 0.002, 0.001]
+exponents = [6, 6]
+[[shape]]
+name = "rod"
+spheres = [-0.001, 0, 0, 0.001, 0.001, 0, 0, 0.001]
+[output]
+particles_every = 5e-4
+csv_every = 5e-4
+)";
+  for (const auto& [shape, number] : {std::pair{"chip", 2}, {"rod", 1}, {"", 3}}) {
+    scene += "[[source]]\nkind = \"random\"\nnumber = " + std::to_string(number) + "\n";
+    if (*shape != 0) scene += "shape = \"" + std::string(shape) + "\"\n";
+    scene +=
+        "region = { lower = [0.005, 0, 0], upper = [0.055, 0.02, 0.02] }\nsize = { kind = \"constant\", diameter = "
+        "0.003 }\n";
+  }
+  run(write("s.toml", scene), "out");
+  const std::string command =
+      "cd '" + folder.string() + "' && pvpython '" TALUS_SOURCE_DIR "/cases/view.py' out --check > said.txt 2>&1";
+  ASSERT_EQ(std::system(command.c_str()), 0) << read("said.txt");
+  // 24 points around a body in 13 rings.
+  EXPECT_NE(read("said.txt")
+                .find("3 frames, 5 spheres and " + std::to_string(2 * 24 * 13) +
+                      " points of surfaces in the last, walls: domain_x_lower, domain_x_upper"),
+            std::string::npos)
+      << read("said.txt");
+}
+
 }  // namespace
 }  // namespace talus::test
