@@ -2,11 +2,10 @@
 """What the first and the last step of a contact are worth: forms of the linear normal law, without friction.
 
   plain       the dashpot's impulse counts from touch to parting, the spring's force is that at n; a pair parts if its
-              speed before the step takes it apart before the next one. At e = 1 that is LAMMPS, and Talus without
-              friction, where contacts have no memory
+              speed before the step takes it apart before the next one. At e = 1 that is LAMMPS
   weighed     with u dt the time in contact on this side of n, the spring's impulse is (1/2 + u)^2/(2 u) of that of its
               force at n; a pair parts if its speed after the step takes it apart, and the step after that counts nothing,
-              for which the contact has a memory. Talus at e < 1 or with friction
+              for which the contact has a memory. Talus
   forgetful   the same without the memory
 
 1. Largest error of restitution over the phase of the touch and over contacts of N to N + 1 steps (a whole number of steps

@@ -2,7 +2,7 @@
 //   F_n = k_n delta - gamma_n m_eff v_n,   F_t = -(k_t xi + gamma_t m_eff v_t),   |F_t| <= L = mu k_n delta
 // What the dashpot sees, what the first and last step of a contact count, and how the spring creeps while the contact
 // slides is derived in LINEAR.md.
-// History: with friction 3 columns, the tangential spring xi [m], oriented i - j; centred and damped or with friction:
+// History: with friction 3 columns, the tangential spring xi [m], oriented i - j; centred and with ends or damped:
 // one more, the predicted velocity [m/s].
 // Reads kn, kt [N/m], gn, gt [1/s] (or 2 beta [-] with by_restitution), mu.
 #pragma once

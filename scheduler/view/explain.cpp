@@ -47,7 +47,7 @@ void add_lists(const World& w, Plan& p) {
             : h.superquadrics       ? "tangential springs of touching pairs; normals and arms of superquadrics"
             : h.rotation            ? "tangential springs of touching pairs"
             : h.history_columns > 0 ? "predicted velocity of touching pairs"
-                                    : "no friction, no history");
+                                    : "no friction, and nothing to recall at a contact's end");
   add_array(p, "bodies", h.bodies, static_cast<double>(w.rows.bodies.columns.bytes()) / n,
             h.bodies ? "a source makes bodies; per row" : "no source makes bodies");
   add_array(p, "moment rows", h.moments, 32, h.moments ? "rolling or twisting resistance" : "no rolling, no twisting");
