@@ -11,8 +11,10 @@ void check(const WallSpec& w) {
 
 std::unique_ptr<const Shape> make(const ShapeRequest& r) { return std::make_unique<Frustum>(r.spec, r.spec.radius); }
 
+double side(const WallSpec& w, Vec3 x) { return side_of_tube(w, w.radius, x); }
+
 }  // namespace
 
-const ShapeKind k_cylinder_shape{WallShape::cylinder, check, make};
+const ShapeKind k_cylinder_shape{WallShape::cylinder, check, make, nullptr, side};
 
 }  // namespace talus

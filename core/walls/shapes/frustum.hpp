@@ -5,6 +5,9 @@
 
 namespace talus {
 
+/// ShapeKind::side of a tube whose radius goes from spec.radius to `radius_end`.
+double side_of_tube(const WallSpec& spec, double radius_end, Vec3 x);
+
 class Frustum final : public Shape {
  public:
   /// Radius spec.radius at spec.point, `radius_end` at the other end [m].

@@ -59,8 +59,10 @@ std::unique_ptr<const Shape> make(const ShapeRequest& r) {
   return std::make_unique<Plane>(r.spec);
 }
 
+double side(const WallSpec& w, Vec3 x) { return dot(x - w.point, unit(w.normal)); }
+
 }  // namespace
 
-const ShapeKind k_plane_shape{WallShape::plane, check, make};
+const ShapeKind k_plane_shape{WallShape::plane, check, make, nullptr, side};
 
 }  // namespace talus

@@ -65,13 +65,17 @@ struct ShapeRequest {
   double largest_diameter;        ///< of grains to come [m]; 0: unknown
 };
 
-/// The line of a shape: its word, what its measures must be, how it is made, and what it encloses.
+/// The line of a shape: its word, what its measures must be, how it is made, what it encloses or which side of it is
+/// which.
 struct ShapeKind {
   WallShape shape;
   void (*check)(const WallSpec&);  ///< Error{scene}
   std::unique_ptr<const Shape> (*make)(const ShapeRequest&);
   /// Facets that may enclose space; nullptr: the shape never does. Nothing where a surface has holes.
   std::optional<Mesh> (*enclosing)(const Scene&, const WallSpec&) = nullptr;
+  /// On which of its two sides x lies and how far from the surface: negative behind a plane and within a tube; 0 where
+  /// it is neither, beyond an end. nullptr: the shape has no two sides [m].
+  double (*side)(const WallSpec&, Vec3 x) = nullptr;
 };
 const ShapeKind& shape_kind(WallShape shape);
 
