@@ -10,6 +10,7 @@
 #include "scheduler/lists/skin_check.hpp"
 #include "scheduler/nodes/check.hpp"
 #include "scheduler/nodes/events.hpp"
+#include "scheduler/nodes/leavers.hpp"
 #include "scheduler/nodes/plane_count.hpp"
 #include "scheduler/step/world.hpp"
 #include "scheduler/team/parallel.hpp"
@@ -25,6 +26,19 @@ bool balance_due(const World& w) {
          !w.contacts.chunks.empty() && w.contacts.chunks.front()->result.extremes.filled;
 }
 
+/// Grains that have left take the springs of their contacts along. Where two of them touch, the contacts of the present
+/// positions tell which springs would count twice.
+void let_go(World& w) {
+  LeavingSprings s;
+  if (!w.ledger.pairs.empty()) s = springs_of_leavers(w.rules, w.rows, w.contacts, w.ledger);
+  const auto present = [&] { return elastic_in(energy_rows(w, w.clock.step), w.rows); };
+  double gone = s.meet ? present() : s.all;
+  remove_leavers(w.rules, w.clock, w.rows, w.contacts, w.lists, w.ledger, w.counters, w.parts);
+  if (s.meet) gone -= present();
+  w.ledger.inserted -= gone;
+  w.ledger.left = s.left - (s.all - gone);
+}
+
 void check_results(World& w) {
   if (!w.contacts.news.load(std::memory_order_relaxed)) return;
   report_failures(w.rules, w.rows, w.contacts, w.walls);
@@ -34,7 +48,7 @@ void check_results(World& w) {
   } else {
     judge_step(w.rules, w.clock, w.contacts, w.walls, w.monitor, nullptr);
   }
-  remove_leavers(w.rules, w.clock, w.rows, w.contacts, w.lists, w.ledger, w.counters, w.parts);
+  let_go(w);
   w.contacts.news.store(false, std::memory_order_relaxed);
 }
 
