@@ -67,6 +67,7 @@ struct HeatFluxes {
 struct HeatPace {
   std::int64_t steps = 1, steps_before = 1;
   double error = 0, error_before = 0;  ///< half of the largest change of temperature in the last heat step [K]
+  std::vector<PartConcern> concerns;   ///< of the last heat step
 };
 
 /// State of the part; its nodes are free functions of it.
@@ -133,5 +134,7 @@ void heat_step(HeatState& s, const PartView& w);   ///< heat_step.cpp
 void choose_pace(HeatState& s, const PartView& w, double change, double excess);  ///< heat_pace.cpp
 GasNear given_gas(const HeatState& s, const PartView& w, Row i);                  ///< of [heat.gas]; heat_step.cpp
 std::vector<std::string> heat_advice(const HeatState& s, const PartView& w);      ///< heat_advice.cpp
+/// Error{scene} where heat and the sizes of grains contradict each other; heat_scene.cpp
+void refuse_odd_heat(const Rules& rules);
 
 }  // namespace talus
