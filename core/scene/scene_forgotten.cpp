@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 #include "core/grains/body_shape.hpp"
 #include "core/rules/laws/law.hpp"
+#include "core/scene/scene_doubts.hpp"
 
 namespace talus {
 namespace {
@@ -127,6 +129,7 @@ std::vector<std::string> forgotten_keys(const SceneText& text) {
   note_unused(scene, notes);
   note_overridden(text, notes);
   note_curves(scene, notes);
+  for (std::string& note : doubts_of(scene)) notes.push_back(std::move(note));
   return notes;
 }
 

@@ -1,0 +1,16 @@
+// What a scene says that is allowed and rarely meant. Who calls it: forgotten_keys(). Invariant: notes, no refusals.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+
+namespace talus {
+
+/// One line each: events, sources, walls and motions that the run ends before; walls that no grain can reach;
+/// temperatures that look like degrees Celsius, coefficients like angles in degrees, heat like other units; averages
+/// over space that is not there.
+std::vector<std::string> doubts_of(const Scene& scene);
+
+}  // namespace talus
