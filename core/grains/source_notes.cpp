@@ -76,17 +76,17 @@ std::string open_side_note(const Scene& scene, const Source& s, const WallSet& w
     for (const Vec3 x : points) {
       if (!has_room(scene.domain, s.region, x, r)) continue;
       const Vec3 body = to_body(walls.pose(w), (x - scene.domain.lower) - walls.image_shift(w, k));
-      const double side = shape_kind(spec.shape).side(spec, body + scene.domain.lower);
+      const double side = shape_kind(spec.shape).sides.of(spec, body + scene.domain.lower);
       within += side < -r ? 1 : 0;
       beyond += side > r ? 1 : 0;
     }
   if (within == 0 || beyond == 0) return {};
+  const ShapeSides& sides = shape_kind(spec.shape).sides;
   return fmt::format(
-      "source '{}': about {:.2g} % of its region near wall \"{}\" lies {} it, the rest {}; particles are placed on "
-      "both "
+      "source '{}': about {:.2g} % of its region near wall \"{}\" lies {}, the rest {}; particles are placed on both "
       "sides (a region that ends at the wall keeps them to one)",
-      s.name, 100 * static_cast<double>(within) / static_cast<double>(within + beyond), walls.name(w),
-      spec.shape == WallShape::plane ? "behind" : "within", spec.shape == WallShape::plane ? "before it" : "around it");
+      s.name, 100 * static_cast<double>(within) / static_cast<double>(within + beyond), walls.name(w), sides.negative,
+      sides.positive);
 }
 
 }  // namespace
@@ -121,7 +121,7 @@ std::vector<std::string> sides_of_open_walls(const Scene& scene, WallSet& walls)
     walls.set_step(s.start > 0 ? det::nearest(s.start / scene.dt) : 0, scene.dt);
     std::vector<Vec3> points;
     for (std::size_t w = 0; w < scene.walls.size(); ++w) {
-      if (shape_kind(scene.walls[w].shape).side == nullptr || !walls.pose(static_cast<int>(w)).active) continue;
+      if (shape_kind(scene.walls[w].shape).sides.of == nullptr || !walls.pose(static_cast<int>(w)).active) continue;
       if (points.empty()) points = points_of(s.region);
       std::string note = open_side_note(scene, s, walls, w, points);
       if (!note.empty()) notes.push_back(std::move(note));

@@ -3,12 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/base/det_math.hpp"
 #include "core/scene/duration.hpp"
-#include "core/walls/wall_elements.hpp"
+#include "core/walls/shapes/shape.hpp"
 
 namespace talus {
 namespace {
@@ -46,47 +43,12 @@ double largest_radius(const Scene& scene) {
   return r;
 }
 
-/// How far a plane keeps from the domain, which lies on one side of it [m].
-double gap_of_plane(const Domain& d, const WallSpec& w) {
-  const Vec3 normal = unit(w.normal);
-  double low = k_never, high = -k_never;
-  for (int c = 0; c < 8; ++c) {
-    const Vec3 x{(c & 1) != 0 ? d.upper.x : d.lower.x, (c & 2) != 0 ? d.upper.y : d.lower.y,
-                 (c & 4) != 0 ? d.upper.z : d.lower.z};
-    const double s = dot(x - w.point, normal);
-    low = fmin2(low, s), high = fmax2(high, s);
-  }
-  return fmax2(low, -high);
-}
-
-/// The same of a wall within a box; along periodic axes it has images everywhere.
-double gap_of_bounds(const Domain& d, Vec3 lower, Vec3 upper) {
-  double gap = 0;
-  for (int k = 0; k < 3; ++k)
-    if (!d.periodic(k)) gap = fmax2(gap, fmax2(lower[k] - d.upper[k], d.lower[k] - upper[k]));
-  return gap;
-}
-
-double gap_of(const Domain& d, const WallSpec& w) {
-  if (w.shape == WallShape::plane) return gap_of_plane(d, w);
-  if (w.shape == WallShape::box) return gap_of_bounds(d, w.lower, w.upper);
-  if (w.shape == WallShape::mesh) return 0;  // one that lies outside is refused
-  const Vec3 axis = unit(w.axis), end = w.point + w.length * axis;
-  const double r = w.shape == WallShape::cone ? fmax2(w.radius, w.radius_end) : w.radius;
-  Vec3 lower, upper;
-  for (int k = 0; k < 3; ++k) {
-    const double across = r * std::sqrt(fmax2(0.0, 1 - axis[k] * axis[k]));
-    lower[k] = fmin2(w.point[k], end[k]) - across;
-    upper[k] = fmax2(w.point[k], end[k]) + across;
-  }
-  return gap_of_bounds(d, lower, upper);
-}
-
 void note_unreached(const Scene& scene, Notes& notes) {
   const double r = largest_radius(scene);
   for (const WallSpec& w : scene.walls) {
-    if (w.motion.any()) continue;
-    const double gap = gap_of(scene.domain, w);
+    const auto away = shape_kind(w.shape).away;
+    if (w.motion.any() || away == nullptr) continue;
+    const double gap = away(scene.domain, w);
     if (!(gap > r)) continue;
     notes.push_back(fmt::format("no grain can touch wall \"{}\": it lies {:g} m outside the domain", w.name, gap));
   }
@@ -127,24 +89,15 @@ void note_degrees(const Scene& scene, Notes& notes) {
                   most, det::atan(most) * 180 / det::k_pi, most, s / c));
 }
 
-/// What no gas and no solid is like, and other units of the same quantity would be.
+/// What no gas is like, and other units of the same quantity would be.
 void note_units(const Scene& scene, Notes& notes) {
   const HeatScene& h = scene.heat;
   if (!h.on) return;
   const auto gas = [&](const char* key, double k) {
-    if (k > 2)
-      notes.push_back(fmt::format("{} is {:g} W/m/K, and no gas conducts so well (air: 0.026)", key, k));
+    if (k > 2) notes.push_back(fmt::format("{} is {:g} W/m/K, and no gas conducts so well (air: 0.026)", key, k));
   };
   if (h.gas.on && !(h.gas.film >= 0)) gas("heat.gas.conductivity", h.gas.conductivity);
   gas("heat.gap.conductivity", h.gap.conductivity);
-  for (std::size_t k = 0; k < h.matter.size() && k < scene.materials.size(); ++k) {
-    const std::vector<double>& c = h.matter[k].capacity.coefficients;
-    if (c.size() == 1 && c[0] < 20 && !(scene.conversion.on && !scene.conversion.grain[k].empty()))
-      notes.push_back(
-          fmt::format("the heat capacity of '{}' is {:g} J/kg/K; solids have 100 to 5000 at usual "
-                      "temperatures",
-                      scene.materials[k].name, c[0]));
-  }
 }
 
 void note_empty_space(const Scene& scene, Notes& notes) {

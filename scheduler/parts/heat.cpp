@@ -10,6 +10,7 @@
 #include "core/base/error.hpp"
 #include "core/rules/adhesion.hpp"
 #include "core/rules/laws/law.hpp"
+#include "scheduler/parts/heat_scene.hpp"
 
 namespace talus {
 namespace {

@@ -134,7 +134,5 @@ void heat_step(HeatState& s, const PartView& w);   ///< heat_step.cpp
 void choose_pace(HeatState& s, const PartView& w, double change, double excess);  ///< heat_pace.cpp
 GasNear given_gas(const HeatState& s, const PartView& w, Row i);                  ///< of [heat.gas]; heat_step.cpp
 std::vector<std::string> heat_advice(const HeatState& s, const PartView& w);      ///< heat_advice.cpp
-/// Error{scene} where heat and the sizes of grains contradict each other; heat_scene.cpp
-void refuse_odd_heat(const Rules& rules);
 
 }  // namespace talus

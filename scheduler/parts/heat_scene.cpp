@@ -1,15 +1,25 @@
-// What a scene says of heat that its grains contradict, beside what its section refuses by itself. Called by heat.cpp.
+// See heat_scene.hpp.
+#include "scheduler/parts/heat_scene.hpp"
+
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "core/base/error.hpp"
 #include "core/rules/laws/law.hpp"
-#include "scheduler/parts/heat.hpp"
 
 namespace talus {
 namespace {
 
+bool of_walls_alone(const Scene& scene, int material) {
+  const auto has = [&](const auto& x) { return x.material == material; };
+  return std::none_of(scene.sources.begin(), scene.sources.end(), has) &&
+         std::any_of(scene.walls.begin(), scene.walls.end(), has);
+}
+
 /// A spring k is a Hertz contact of E* = 3 k / (4 sqrt(R* d)) at the overlap d: softest for the largest grain on a wall
-/// at the deepest overlap. A real modulus below that is softer than the model at every overlap.
+/// at the deepest overlap. A real modulus below that is softer than the model at every overlap. Walls may be: of
+/// rubber.
 void refuse_soft_modulus(const Rules& rules) {
   const Scene& scene = rules.scene;
   if (rules.law.info->wants_reff || !(rules.r_max > 0)) return;
@@ -17,7 +27,7 @@ void refuse_soft_modulus(const Rules& rules) {
   for (std::size_t k = 0; k < scene.materials.size() && k < scene.heat.matter.size(); ++k) {
     const double young = scene.heat.matter[k].young, nu = scene.materials[k].poisson;
     const double least = 2 * (1 - nu * nu) * softest;
-    if (!(young > 0) || young >= least) continue;
+    if (!(young > 0) || young >= least || of_walls_alone(scene, static_cast<int>(k))) continue;
     throw Error(
         ErrorCode::scene,
         fmt::format("heat.young: {:g} Pa of material '{}' is softer than the spring of the contact law "

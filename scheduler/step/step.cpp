@@ -26,19 +26,6 @@ bool balance_due(const World& w) {
          !w.contacts.chunks.empty() && w.contacts.chunks.front()->result.extremes.filled;
 }
 
-/// Grains that have left take the springs of their contacts along. Where two of them touch, the contacts of the present
-/// positions tell which springs would count twice.
-void let_go(World& w) {
-  LeavingSprings s;
-  if (!w.ledger.pairs.empty()) s = springs_of_leavers(w.rules, w.rows, w.contacts, w.ledger);
-  const auto present = [&] { return elastic_in(energy_rows(w, w.clock.step), w.rows); };
-  double gone = s.meet ? present() : s.all;
-  remove_leavers(w.rules, w.clock, w.rows, w.contacts, w.lists, w.ledger, w.counters, w.parts);
-  if (s.meet) gone -= present();
-  w.ledger.inserted -= gone;
-  w.ledger.left = s.left - (s.all - gone);
-}
-
 void check_results(World& w) {
   if (!w.contacts.news.load(std::memory_order_relaxed)) return;
   report_failures(w.rules, w.rows, w.contacts, w.walls);
@@ -48,7 +35,16 @@ void check_results(World& w) {
   } else {
     judge_step(w.rules, w.clock, w.contacts, w.walls, w.monitor, nullptr);
   }
-  let_go(w);
+  // Grains that have left take the springs of their contacts along. Where two of them touch, the contacts of the
+  // present positions tell which springs would count twice.
+  LeavingSprings s;
+  if (!w.ledger.pairs.empty()) s = springs_of_leavers(w.rules, w.rows, w.contacts, w.ledger);
+  const auto present = [&] { return elastic_in(energy_rows(w, w.clock.step), w.rows); };
+  double gone = s.meet ? present() : s.all;
+  remove_leavers(w.rules, w.clock, w.rows, w.contacts, w.lists, w.ledger, w.counters, w.parts);
+  if (s.meet) gone -= present();
+  w.ledger.inserted -= gone;
+  w.ledger.left = s.left - (s.all - gone);
   w.contacts.news.store(false, std::memory_order_relaxed);
 }
 

@@ -192,8 +192,6 @@ TEST(UnusedKeys, CelsiusDegreesAndOtherUnitsAreDoubted) {
       all += n;
     return all;
   };
-  EXPECT_CONTAINS(notes("[heat]\ncapacity = 0.8\nconductivity = 1\ntemperature = 300\n"),
-                  "the heat capacity of 'm' is 0.8 J/kg/K");
   EXPECT_CONTAINS(notes(heat + "293\n[heat.gap]\nconductivity = 26\n"), "heat.gap.conductivity is 26 W/m/K");
   EXPECT_EQ(friction("1.5"), "");
   EXPECT_EQ(friction("1e6"), "");  // nothing slides

@@ -83,6 +83,18 @@ double side_of_tube(const WallSpec& spec, double radius_end, Vec3 x) {
   return (rho - radius) * f.normal_rho;
 }
 
+double away_of_tube(const Domain& domain, const WallSpec& spec, double radius_end) {
+  const Vec3 axis = unit(spec.axis), end = spec.point + spec.length * axis;
+  const double r = fmax2(spec.radius, radius_end);
+  Vec3 lower, upper;
+  for (int k = 0; k < 3; ++k) {
+    const double across = r * std::sqrt(fmax2(0.0, 1 - axis[k] * axis[k]));
+    lower[k] = fmin2(spec.point[k], end[k]) - across;
+    upper[k] = fmax2(spec.point[k], end[k]) + across;
+  }
+  return away_from(domain, lower, upper);
+}
+
 double Frustum::arm(const WallMotion& m) const {
   return farthest_from_axis(m.rotation_origin, m.rotation_axis, rims(frustum_));
 }

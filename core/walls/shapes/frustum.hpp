@@ -5,8 +5,9 @@
 
 namespace talus {
 
-/// ShapeKind::side of a tube whose radius goes from spec.radius to `radius_end`.
+/// ShapeSides::of and ShapeKind::away of a tube whose radius goes from spec.radius to `radius_end`.
 double side_of_tube(const WallSpec& spec, double radius_end, Vec3 x);
+double away_of_tube(const Domain& domain, const WallSpec& spec, double radius_end);
 
 class Frustum final : public Shape {
  public:
