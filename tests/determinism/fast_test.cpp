@@ -43,10 +43,21 @@ std::uint64_t hash_after(const Scene& scene, const RunOptions& options, std::int
   return sim.state_hash();
 }
 
+/// The bed with resistance to rolling and twisting: spins are differences of products.
+template <Rolling Kind>
+Scene rolling_bed() {
+  Scene s = sheared_bed();
+  s.contact.rolling = Kind;
+  s.contact.twisting = true;
+  s.pairs[0].rolling_friction = s.pairs[0].twisting_friction = 0.1;
+  s.pairs[0].rolling_damping = s.pairs[0].twisting_damping = 0.3;
+  return s;
+}
+
 TEST(Fast, SameBitsForEveryWayOfRunningOneInstructionSet) {
   const std::vector<Isa> isas = fast_isas();
   if (isas.empty()) GTEST_SKIP() << "no instruction set with fused multiply-add here";
-  for (Scene (*build)() : {sheared_bed, hertz_drum})
+  for (Scene (*build)() : {sheared_bed, hertz_drum, rolling_bed<Rolling::cdt>, rolling_bed<Rolling::epsd>})
     for (const Isa isa : isas) {
       const Variant ways[] = {{ListPolicy::always, 200, 1, 0, isa},
                               {ListPolicy::local, 50, 2, 64, isa},
