@@ -9,8 +9,8 @@
 namespace talus {
 
 /// One line each: events, sources, walls and motions that the run ends before; walls that no grain can reach;
-/// temperatures that look like degrees Celsius, coefficients like angles in degrees, gas that conducts like none; averages
-/// over space that is not there.
+/// temperatures that look like degrees Celsius, coefficients like angles in degrees, gas that conducts like none;
+/// averages over space that is not there.
 std::vector<std::string> doubts_of(const Scene& scene);
 
 }  // namespace talus
