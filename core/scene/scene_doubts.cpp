@@ -119,9 +119,9 @@ void note_empty_space(const Scene& scene, Notes& notes) {
 
 }  // namespace
 
-std::vector<std::string> doubts_of(const Scene& scene) {
+std::vector<std::string> doubts_of(const Scene& scene, bool cut) {
   Notes notes;
-  note_late(scene, notes);
+  if (!cut) note_late(scene, notes);
   note_unreached(scene, notes);
   note_celsius(scene, notes);
   note_degrees(scene, notes);

@@ -147,6 +147,8 @@ TEST(UnusedKeys, WhatTheRunEndsBeforeIsSaid) {
   EXPECT_CONTAINS(notes(event + "2\n"), "event 0 (gravity) is due at 2 s, and the run ends at 0.0001 s before it");
   EXPECT_CONTAINS(notes(grains + "0\n" + box + "appear = 1\n"), "wall \"w\" appears at 1 s");
   EXPECT_CONTAINS(notes(grains + "0\n" + box + motion + "1\n"), "wall \"w\" begins to move at 1 s");
+  // --steps ends a run early: a first look at a scene
+  EXPECT_TRUE(forgotten_keys(read_scene_text(text_of(event + "2\n"), "t.toml", ".", {}), true).empty());
 }
 
 TEST(UnusedKeys, WallsThatNoGrainCanReachAreSaid) {
