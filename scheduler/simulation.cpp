@@ -18,7 +18,6 @@ namespace talus {
 
 struct Simulation::Impl {
   explicit Impl(Start start) : w(std::move(start)) {
-    check_part_limits();
     for (const NodeSpec& n : step_table(w)) {
       auto& names = w.team.times.names;
       const auto id = static_cast<std::size_t>(n.id);
@@ -62,6 +61,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options)
   const NewParticles grains = w.insertion->initial(&w.walls);
   append_particles(w.rules, w.clock, w.rows, grains, nullptr);
   w.parts.appended(w.rows, 0, grains);
+  impl_->check_part_limits();
   warn_of_extent(w.rules, w.clock, w.monitor);
   for (const std::string& note : w.insertion->notes())
     w.monitor.warnings.push_back({"particle_file", note, 0, 1, 0, 0});
@@ -96,6 +96,7 @@ Simulation::Simulation(const Scene& scene, const RunOptions& options, const Chec
                        const std::vector<int>& walls)
     : impl_(std::make_unique<Impl>(start_from(scene, options, in))) {
   restore_state(impl_->w, in, walls);
+  impl_->check_part_limits();
 }
 
 Simulation::~Simulation() = default;

@@ -202,8 +202,9 @@ int check(const Options& options) {
   // What the engine already holds is no longer available to it.
   const AvailableMemory left = available_memory();
   const double room = left.bytes + static_cast<double>(simulation.bytes());
-  const Findings found{scene, simulation, simulation.time_step(), plan,  present, to_come, memory, left,
-                       room,  later,      forgotten_keys(text),   advice};
+  const std::vector<std::string> forgotten = forgotten_keys(text, options.steps.has_value());
+  const Findings found{scene,     simulation, simulation.time_step(), plan, present, to_come, memory, left, room, later,
+                       forgotten, advice};
   if (options.json)
     put("{}\n", json_of(found));
   else

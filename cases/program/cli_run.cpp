@@ -123,7 +123,7 @@ int run(const Options& options) {
   }
   const std::int64_t first = simulation->step();
   if (!options.quiet && !start.checkpoint)
-    for (const std::string& note : forgotten_keys(start.scene)) tell("talus: note: {}\n", note);
+    for (const std::string& note : forgotten_keys(start.scene, options.steps.has_value())) tell("talus: note: {}\n", note);
 
   // From here on the scene is known to be good: only now may something appear on disk.
   const RunFolder folder = open_folder(options, start);

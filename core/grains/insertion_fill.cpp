@@ -283,7 +283,10 @@ void Insertion::fill_stream(std::size_t s, Site& site, NewParticles& out) {
   const Region& g = source.region;
   SourceState& state = state_[s];
   const bool by_mass = source.mass_rate > 0;
-  state.carry += (by_mass ? source.mass_rate : source.number_rate) * source.interval;
+  // A batch brings what is due until the next one, the last one what is due until the end.
+  const double left = source.end - (source.start + static_cast<double>(state.batches) * source.interval);
+  const double time = left < source.interval * (1 - 1e-6) ? fmax2(left, 0.0) : source.interval;
+  state.carry += (by_mass ? source.mass_rate : source.number_rate) * time;
   const CounterRng rng(scene_.seed, s * k_purposes + k_position, static_cast<std::uint64_t>(state.batches));
   std::uint64_t draw = 0;
   const std::int64_t before = state.number;

@@ -9,6 +9,7 @@
 #include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
 #include "core/grains/body_shape.hpp"
+#include "core/grains/curved_share.hpp"
 #include "core/walls/closed_surface.hpp"
 #include "core/walls/wall_elements.hpp"
 
@@ -64,21 +65,26 @@ void each_image(const Domain& d, const std::array<bool, 3>& axes, Vec3 x, Visit&
       for (int c = 0; c < count[2]; ++c) visit(Vec3{at[a].x, at[b].y, at[c].z});
 }
 
+/// Between flat ends alone in closed form.
+double in_bar(double radius, double low, double high, double off, double r) noexcept {
+  return off + r <= radius ? between(low, high, 0, r) : share_in_bar(radius, low, high, off, r);
+}
+
 double share_of_one(const Region& g, Vec3 x, double r) noexcept {
   for (int k = 0; k < 3; ++k)
     if (x[k] + r <= g.lower[k] || x[k] - r >= g.upper[k]) return 0;
   switch (g.shape) {
     case Shape::box: {
       const double wz = between(g.lower.z, g.upper.z, x.z, r);
-      if (g.radius > 0) return wz * below((g.radius - std::sqrt(rim2(g, x))) / r);
+      if (g.radius > 0) return in_bar(g.radius, g.lower.z - x.z, g.upper.z - x.z, std::sqrt(rim2(g, x)), r);
       return wz * between(g.lower.x, g.upper.x, x.x, r) * between(g.lower.y, g.upper.y, x.y, r);
     }
     case Shape::cylinder: {
       const Cylindrical c = cylindrical(g, x);
-      return between(0, g.length, c.along, r) * below((g.radius - std::sqrt(c.rho2)) / r);
+      return in_bar(g.radius, -c.along, g.length - c.along, std::sqrt(c.rho2), r);
     }
     case Shape::sphere:
-      return below((g.radius - std::sqrt(norm2(x - g.point))) / r);
+      return share_in_ball(g.radius, std::sqrt(norm2(x - g.point)), r);
     case Shape::mesh: {
       const double depth = g.surface->distance(x, r);
       return below((g.surface->inside(x) ? depth : -depth) / r);

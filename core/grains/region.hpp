@@ -23,8 +23,9 @@ bool spans(const Domain& domain, const Region& region, int axis) noexcept;
 /// the region as a whole.
 bool holds(const Domain& domain, const Region& region, Vec3 x, double r) noexcept;
 
-/// Share of the sphere's volume that lies inside, summed over its periodic images: the product of one spherical-cap
-/// fraction per face, exact where one flat face cuts the sphere, close at edges, corners and curved faces.
+/// Share of the sphere's volume that lies inside, summed over its periodic images: of cylinders and balls the volume;
+/// of boxes the product of one spherical-cap fraction per face, exact where one face cuts the sphere, close at edges and
+/// corners; of meshes as if the nearest facet were an endless plane.
 double share_inside(const Domain& domain, const Region& region, Vec3 x, double r) noexcept;
 
 double volume(const Region& region) noexcept;  ///< [m3]

@@ -12,6 +12,7 @@
 #include "core/grains/region.hpp"
 #include "core/grains/source_walls.hpp"
 #include "core/walls/shapes/shape.hpp"
+#include "core/walls/wall_motion.hpp"
 
 namespace talus {
 namespace {
@@ -57,6 +58,37 @@ std::string side_note(const Scene& scene, const Source& s, const ClosedWalls& cl
       s.name, part, walls.name(wall));
 }
 
+/// A grain of radius r at x lies in the region as a whole.
+bool has_room(const Domain& domain, const Region& g, Vec3 x, double r) {
+  for (int k = 0; k < 3; ++k)
+    if (!spans(domain, g, k) && !(x[k] >= g.lower[k] + r && x[k] <= g.upper[k] - r)) return false;
+  return holds(domain, g, x, r);
+}
+
+/// Where a wall has its sides: behind it or within it a grain of the source finds room, and on the other side too.
+std::string open_side_note(const Scene& scene, const Source& s, const WallSet& walls, std::size_t wall,
+                           const std::vector<Vec3>& points) {
+  const WallSpec& spec = scene.walls[wall];
+  const int w = static_cast<int>(wall);
+  const double r = 0.5 * s.size.smallest();
+  std::size_t within = 0, beyond = 0;
+  for (int k = 0; k < walls.image_count(w); ++k)
+    for (const Vec3 x : points) {
+      if (!has_room(scene.domain, s.region, x, r)) continue;
+      const Vec3 body = to_body(walls.pose(w), (x - scene.domain.lower) - walls.image_shift(w, k));
+      const double side = shape_kind(spec.shape).sides.of(spec, body + scene.domain.lower);
+      within += side < -r ? 1 : 0;
+      beyond += side > r ? 1 : 0;
+    }
+  if (within == 0 || beyond == 0) return {};
+  const ShapeSides& sides = shape_kind(spec.shape).sides;
+  return fmt::format(
+      "source '{}': about {:.2g} % of its region near wall \"{}\" lies {}, the rest {}; particles are placed on both "
+      "sides (a region that ends at the wall keeps them to one)",
+      s.name, 100 * static_cast<double>(within) / static_cast<double>(within + beyond), walls.name(w), sides.negative,
+      sides.positive);
+}
+
 }  // namespace
 
 std::vector<std::string> sides_of_closed_walls(const Scene& scene, WallSet& walls) {
@@ -76,6 +108,22 @@ std::vector<std::string> sides_of_closed_walls(const Scene& scene, WallSet& wall
     for (int w = 0; w < static_cast<int>(scene.walls.size()); ++w) {
       if (!closed.closed(w) || !walls.pose(w).active) continue;
       std::string note = side_note(scene, s, closed, walls, w, points);
+      if (!note.empty()) notes.push_back(std::move(note));
+    }
+  }
+  return notes;
+}
+
+std::vector<std::string> sides_of_open_walls(const Scene& scene, WallSet& walls) {
+  std::vector<std::string> notes;
+  for (const Source& s : scene.sources) {
+    if (s.kind == Source::Kind::file) continue;
+    walls.set_step(s.start > 0 ? det::nearest(s.start / scene.dt) : 0, scene.dt);
+    std::vector<Vec3> points;
+    for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+      if (shape_kind(scene.walls[w].shape).sides.of == nullptr || !walls.pose(static_cast<int>(w)).active) continue;
+      if (points.empty()) points = points_of(s.region);
+      std::string note = open_side_note(scene, s, walls, w, points);
       if (!note.empty()) notes.push_back(std::move(note));
     }
   }

@@ -15,6 +15,10 @@ namespace talus {
 /// domain's lower corner; left at another step.
 std::vector<std::string> sides_of_closed_walls(const Scene& scene, WallSet& walls);
 
+/// Sources that would place grains on both sides of a plane, a cylinder or a cone: grains cannot pass it, and those on
+/// the far side are rarely meant. `walls` as above.
+std::vector<std::string> sides_of_open_walls(const Scene& scene, WallSet& walls);
+
 /// Packs and streams that begin after step 0 and do not even find room among the walls alone.
 std::vector<std::string> later_shortfalls(const Scene& scene, WallSet& walls);
 

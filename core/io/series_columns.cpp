@@ -67,7 +67,7 @@ constexpr SeriesQuantity<SeriesRow> k_run[] = {
      energy<&Energies::wall_work>, has_energies},
     {"inserted_energy", "J", k_sum,
      "kinetic and potential energy that sources, events and open sides brought in, and the springs of contacts that "
-     "events, walls that appear and those that vanish begin; less what they ended",
+     "events, walls that appear and those that vanish begin; less what they and grains that leave end",
      energy<&Energies::inserted>, has_energies},
     {"resized_energy", "J", k_sum,
      "brought in by changing sizes: elastic of overlaps, kinetic and potential of the mass that comes",

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 #include "core/grains/body_shape.hpp"
 #include "core/rules/laws/law.hpp"
+#include "core/scene/scene_doubts.hpp"
 
 namespace talus {
 namespace {
@@ -101,7 +103,7 @@ void note_curves(const Scene& scene, std::vector<std::string>& notes) {
 
 }  // namespace
 
-std::vector<std::string> forgotten_keys(const SceneText& text) {
+std::vector<std::string> forgotten_keys(const SceneText& text, bool cut) {
   const Scene& scene = text.scene;
   const auto none_of = [&](std::initializer_list<std::pair<std::string_view, std::string_view>> keys) {
     return std::none_of(keys.begin(), keys.end(), [&](const auto& key) { return given(text, key.first, key.second); });
@@ -127,6 +129,7 @@ std::vector<std::string> forgotten_keys(const SceneText& text) {
   note_unused(scene, notes);
   note_overridden(text, notes);
   note_curves(scene, notes);
+  for (std::string& note : doubts_of(scene, cut)) notes.push_back(std::move(note));
   return notes;
 }
 

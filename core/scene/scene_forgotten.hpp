@@ -9,7 +9,8 @@
 
 namespace talus {
 
-/// One line per forgotten thing: what follows from its absence, and what states that it is meant.
-std::vector<std::string> forgotten_keys(const SceneText& scene);
+/// One line per forgotten thing: what follows from its absence, and what states that it is meant. `cut`: the run is
+/// asked to end before the scene would, so that what comes later is no mistake.
+std::vector<std::string> forgotten_keys(const SceneText& scene, bool cut = false);
 
 }  // namespace talus

@@ -11,8 +11,8 @@ namespace talus {
 
 using GrainSolver = void (*)(const conversion::BedMatter& matter, const conversion::GrainBatch& batch);
 
-/// The solver of an instruction set: scalar, sse2, avx2, avx512. nullptr for another name. The caller has seen to it
-/// that the processor has it (available_isas()).
+/// The solver of an instruction set: scalar, sse2, avx2, avx512, with " fast" behind it or not. nullptr for another name.
+/// The caller has seen to it that the processor has it (available_isas()).
 GrainSolver grain_solver(std::string_view isa) noexcept;
 
 }  // namespace talus

@@ -19,14 +19,23 @@
 
 namespace talus::kernels {
 
+/// a b in a rounding of its own. Where the compiler contracts, a b - c d is not odd in the exchange of both products,
+/// and a pair whose grains belong to two chunks is computed from either side.
+template <class S>
+TALUS_INLINE double product(double a, double b) {
+  double c = a * b;
+  if constexpr (requires { S::contracts; }) asm("" : "+x"(c));
+  return c;
+}
+
 /// Relative spins; divisions per contact, so the loop is scalar: the same on every instruction set.
 template <class S>
 void spin(const SpinArgs& a) {
   for (int k = 0; k < a.n; ++k) {
     const double *vi = a.v + 8L * a.i[k], *vj = a.v + 8L * a.j[k];
     const double ri = 1 / a.p[4L * a.i[k] + 3], rj = 1 / a.p[4L * a.j[k] + 3];
-    for (int q = 0; q < 3; ++q) a.s[q][k] = vi[4 + q] * ri - vj[4 + q] * rj;
-    a.s[3][k] = (5.0 / 7.0) * (vi[7] * (ri * ri) + vj[7] * (rj * rj));
+    for (int q = 0; q < 3; ++q) a.s[q][k] = product<S>(vi[4 + q], ri) - product<S>(vj[4 + q], rj);
+    a.s[3][k] = (5.0 / 7.0) * (product<S>(vi[7], ri * ri) + product<S>(vj[7], rj * rj));
   }
   for (int k = a.n; k < (a.n + 7) / 8 * 8; ++k) {  // padding lanes: finite
     for (int q = 0; q < 3; ++q) a.s[q][k] = 0;

@@ -10,12 +10,14 @@ namespace talus::simd {
 
 #if defined(__AVX2__) && defined(__FMA__)
 struct Avx2Fast : Avx2 {
+  static constexpr bool contracts = true;
   static constexpr const char* name = "avx2 fast";
 };
 #endif
 
 #if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512DQ__)
 struct Avx512Fast : Avx512 {
+  static constexpr bool contracts = true;
   static constexpr const char* name = "avx512 fast";
   static constexpr bool fast = true;
   /// 1/sqrt(a): 14 -> 28 -> 53 bits, up to 2 ulp off. 0 gives infinity times 0.

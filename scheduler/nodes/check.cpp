@@ -2,7 +2,6 @@
 #include "scheduler/nodes/check.hpp"
 
 #include "scheduler/nodes/events.hpp"
-#include "scheduler/nodes/size_push.hpp"
 #include "scheduler/state/step_failure.hpp"
 
 namespace talus {
@@ -64,7 +63,6 @@ void report_failures(const Rules& rules, const Rows& rows, const Contacts& conta
 
 void remove_leavers(const Rules& rules, const Clock& clock, Rows& rows, Contacts& contacts, Lists& lists,
                     Ledger& ledger, Counters& counters, Parts& parts) {
-  if (!ledger.push.empty()) ledger.inserted -= energy_of_leavers(rules, rows, contacts, ledger);
   for (const auto& c : contacts.chunks) {
     for (std::int32_t k = 0; k < c->result.out_count; ++k) {
       const Row i = c->result.out[static_cast<std::size_t>(k)];

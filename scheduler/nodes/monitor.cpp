@@ -85,6 +85,8 @@ void warn_of_sources(const Rules& rules, const Clock& clock, WallSet& walls, Mon
   if (!rules.has.walls) return;
   for (std::string& note : sides_of_closed_walls(rules.scene, walls))
     monitor.warnings.push_back({"source", std::move(note), clock.step, 1, 0, 0});
+  for (std::string& note : sides_of_open_walls(rules.scene, walls))
+    monitor.warnings.push_back({"source", std::move(note), clock.step, 1, 0, 0});
   walls.set_step(clock.step, rules.scene.dt);
 }
 

@@ -46,11 +46,6 @@ double distance_of(const Rules& rules, const Rows& rows, Row i, Row j) {
   return norm(rules.scene.domain.box().nearest({p[0] - q[0], p[1] - q[1], p[2] - q[2]}));
 }
 
-bool leaves(const Contacts& contacts, Row i) {
-  const ChunkResults& r = contacts.of(i).result;
-  return std::binary_search(r.out.begin(), r.out.begin() + r.out_count, i);
-}
-
 }  // namespace
 
 SizePush size_push(const Rules& rules, int pair, double ri, double rj, double distance, double turned) {
@@ -68,7 +63,7 @@ SizePush size_push(const Rules& rules, int pair, double ri, double rj, double di
 
 void push_pairs(const Rules& rules, const Rows& rows, Ledger& ledger, const Chunk& c) {
   double* push = ledger.push.data();
-  for (Row i = c.lo; i < c.hi; ++i) push[2L * i] = 0, push[2L * i + 1] = ledger.rows[static_cast<std::size_t>(4L * i)];
+  std::fill(push + c.lo, push + c.hi, 0.0);
   const Scratch& s = *c.scratch;
   const auto first = static_cast<std::size_t>(rules.has.law_columns);
   for (std::int64_t k = 0; k < c.contacts.end[2]; ++k) {
@@ -83,8 +78,8 @@ void push_pairs(const Rules& rules, const Rows& rows, Ledger& ledger, const Chun
       turned = turned_energy(rules, pair, ri * rj / (ri + rj), (ri + rj) - d, m);
     }
     const SizePush p = size_push(rules, pair, ri, rj, d, turned);
-    push[2L * i] = push[2L * i] + p.i;
-    if (k >= c.contacts.end[0] && k < c.contacts.end[1]) push[2L * j] = push[2L * j] + p.j;
+    push[i] = push[i] + p.i;
+    if (k >= c.contacts.end[0] && k < c.contacts.end[1]) push[j] = push[j] + p.j;
   }
 }
 
@@ -97,29 +92,9 @@ void push_walls(const Rules& rules, const Rows& rows, const WallSet& walls, Ledg
     const double turned =
         rules.has.moments ? turned_energy(rules, pair, r, r - t.contact.distance, c.wall.moment.data() + k * columns)
                           : 0;
-    double& to = ledger.push[static_cast<std::size_t>(2L * t.row)];
+    double& to = ledger.push[static_cast<std::size_t>(t.row)];
     to = to + size_push(rules, pair, r, -1, t.contact.distance, turned).i;
   }
-}
-
-double energy_of_leavers(const Rules& rules, const Rows& rows, const Contacts& contacts, const Ledger& ledger) {
-  double sum = 0;
-  for (const auto& c : contacts.chunks) {
-    if (c->result.out_count == 0) continue;
-    for (std::int32_t k = 0; k < c->result.out_count; ++k) {
-      const auto i = static_cast<std::size_t>(c->result.out[static_cast<std::size_t>(k)]);
-      sum = sum + (ledger.rows[4 * i] + ledger.push[2 * i + 1]);  // half of its pairs, once more, and its walls
-    }
-    // a pair of which both leave has been counted twice
-    for (std::int64_t k = 0; k < c->list.end[1]; ++k) {
-      if ((c->list.mask[static_cast<std::size_t>(k / 8)] >> (k % 8) & 1) == 0) continue;
-      const Row i = c->list.pi[static_cast<std::size_t>(k)], j = c->list.pj[static_cast<std::size_t>(k)];
-      if (!leaves(contacts, i) || !leaves(contacts, j)) continue;
-      const double ri = rows.p[4L * i + 3], rj = rows.p[4L * j + 3];
-      sum = sum - size_push(rules, pair_of(rules, rows, i, j), ri, rj, distance_of(rules, rows, i, j), 0).energy;
-    }
-  }
-  return sum;
 }
 
 }  // namespace talus

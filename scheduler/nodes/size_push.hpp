@@ -1,7 +1,6 @@
 // What a changing radius does to the elastic energy of contacts: nodes add to each row the derivative of that energy
-// with respect to its radius, and the energy that its pairs hold. Who calls it: the contact_force and wall_contact
-// nodes of scenes with balance and changing sizes; who reads it: the ledger, and removal. Formulae: the laws in
-// kernels/models.
+// with respect to its radius. Who calls it: the contact_force and wall_contact nodes of scenes with balance and changing
+// sizes; who reads it: the ledger. Formulae: the laws in kernels/models.
 #pragma once
 
 #include "scheduler/state/contacts.hpp"
@@ -20,8 +19,5 @@ SizePush size_push(const Rules& rules, int pair, double ri, double rj, double di
 /// Behind the forces of the chunk's pairs, and behind those of its walls.
 void push_pairs(const Rules& rules, const Rows& rows, Ledger& ledger, const Chunk& c);
 void push_walls(const Rules& rules, const Rows& rows, const WallSet& walls, Ledger& ledger, const Chunk& c);
-
-/// Elastic energy of all contacts of the grains that are about to leave [J], as their last step has left it.
-double energy_of_leavers(const Rules& rules, const Rows& rows, const Contacts& contacts, const Ledger& ledger);
 
 }  // namespace talus

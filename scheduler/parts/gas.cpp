@@ -10,6 +10,7 @@
 #include <cstring>
 #include <utility>
 
+#include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
 #include "core/gas/drag.hpp"
 #include "core/gas/openings.hpp"
@@ -120,12 +121,21 @@ class GasPart final : public Part, public GasCells {
   }
 
   double step_limit(const PartView& w) const override {
-    if (!(w.rules.r_min < k_never)) return k_never;
-    const double d = 2 * w.rules.r_min, e = 0.4, rho = scene_.gas.pressure / (287 * scene_.gas.temperature);
-    const double k = gas::grain_drag(scene_.gas.drag, e, d, d, gas::viscosity(scene_.gas.temperature), rho, 0);
-    double density = k_never;
-    for (const Material& m : scene_.materials) density = fmin2(density, m.density);
-    return k_most_drag * (density * 3.14159265358979323846 / 6 * d * d * d) / k;
+    const double e = 0.4, rho = scene_.gas.pressure / (287 * scene_.gas.temperature);
+    const double mu = gas::viscosity(scene_.gas.temperature);
+    const auto allowed = [&](double mass, double d) {
+      return k_most_drag * mass / gas::grain_drag(scene_.gas.drag, e, d, d, mu, rho, 0);
+    };
+    double most = k_never;  // held grains do not move; one that is released later is judged at the next gas step
+    for (Row i = 0; i < w.rows.n; ++i)
+      if (w.rows.is_alive(i) && velocity_of(w.rows, i).inverse_mass > 0)
+        most = fmin2(most, allowed(mass_of(w.rules, w.rows, i), 2 * w.rows.p[4L * i + 3]));
+    for (const Source& s : scene_.sources) {
+      if (s.kind == Source::Kind::file) continue;  // its grains are there
+      const double d = s.size.smallest(), density = scene_.materials[static_cast<std::size_t>(s.material)].density;
+      most = fmin2(most, allowed(density * det::k_pi / 6 * (d * d * d), d));
+    }
+    return most;
   }
 
   std::vector<PartValue> values(const PartView& w) const override {
@@ -257,7 +267,7 @@ class GasPart final : public Part, public GasCells {
 
   void check_drag(const PartView& w, Row i, double drag) const {
     const double m = mass_of(w.rules, w.rows, i);
-    if (drag * scene_.dt <= k_most_drag * m) return;
+    if (drag * scene_.dt <= k_most_drag * m || !(velocity_of(w.rows, i).inverse_mass > 0)) return;
     throw Error(ErrorCode::physics,
                 "time.step is too long for the drag on grain " + std::to_string(w.rows.id[static_cast<std::size_t>(i)]),
                 "step " + std::to_string(w.clock.step), "at most " + at_most(k_most_drag * m / drag) + " s");

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "core/base/error.hpp"
 #include "core/rules/adhesion.hpp"
 #include "core/rules/laws/law.hpp"
+#include "scheduler/parts/heat_scene.hpp"
 
 namespace talus {
 namespace {
@@ -191,6 +193,7 @@ class Heat final : public Part, public GrainHeat {
   }
 
   std::vector<std::string> advice(const PartView& w) const override { return heat_advice(s_, w); }
+  std::vector<PartConcern> concerns() override { return std::exchange(s_.pace.concerns, {}); }
 
   std::pair<std::string, std::string> contact_column() const override { return {"heat_flow", "W"}; }
   double of_contact(const PartView& w, Row i, Row j, int wall, double overlap) const override {
@@ -349,7 +352,9 @@ HeatState::HeatState(const Rules& rules) : scene(rules.scene.heat) {
 }
 
 std::unique_ptr<Part> make_heat(const Rules& rules) {
-  return rules.scene.heat.on ? std::make_unique<Heat>(rules) : nullptr;
+  if (!rules.scene.heat.on) return nullptr;
+  refuse_odd_heat(rules);
+  return std::make_unique<Heat>(rules);
 }
 
 }  // namespace talus

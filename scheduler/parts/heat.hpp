@@ -67,6 +67,7 @@ struct HeatFluxes {
 struct HeatPace {
   std::int64_t steps = 1, steps_before = 1;
   double error = 0, error_before = 0;  ///< half of the largest change of temperature in the last heat step [K]
+  std::vector<PartConcern> concerns;   ///< of the last heat step
 };
 
 /// State of the part; its nodes are free functions of it.

@@ -5,6 +5,8 @@
 // step is the longest one that keeps half of the largest change below what is wanted, were the rates those of the last
 // one. What the rates do not know yet is looked ahead for: tables of gas, walls and enclosure, grains to come, contacts
 // to come (excess_in_a_bed). Steps are `every` 2^k and begin at multiples of their length: the length alone is state.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "scheduler/parts/heat.hpp"
@@ -85,6 +87,24 @@ double HeatState::excess_in_a_bed(const PartView& w, Row i) const {
   return dt(w) * g / (mass_of(w.rules, w.rows, i) * matter[static_cast<std::size_t>(m)].least_capacity);
 }
 
+namespace {
+
+/// The shortest heat step has changed temperatures by more than the wanted error allows.
+void warn_of_error(HeatState& s, const PartView& w) {
+  const HeatScene& h = s.scene;
+  if (s.pace.steps > h.every || !(s.pace.error > h.error)) return;
+  const double most = static_cast<double>(h.every) * h.error / s.pace.error, seconds = most * w.rules.scene.dt;
+  const std::string cure = most >= 1 ? fmt::format("at most every = {}", static_cast<std::int64_t>(most))
+                                     : fmt::format("every = 1 and a time.step of at most {:.2g} s", seconds);
+  s.pace.concerns.push_back({"error",
+                             fmt::format("heat.error = {:g} K is not kept: at step {} the shortest heat step (every = "
+                                         "{}) leaves an error of about {:.2g} K; {} would keep it there",
+                                         h.error, w.clock.step, h.every, s.pace.error, cure),
+                             s.pace.error, h.error});
+}
+
+}  // namespace
+
 void choose_pace(HeatState& s, const PartView& w, double change, double excess) {
   const HeatScene& h = s.scene;
   const std::int64_t done = w.clock.step + 1, was = s.pace.steps;
@@ -98,6 +118,7 @@ void choose_pace(HeatState& s, const PartView& w, double change, double excess) 
     return fmax2(0.5 * (change * share + jump) / h.error, beyond / k_excess);
   };
   s.pace.error = 0.5 * change;
+  warn_of_error(s, w);
   std::int64_t next = was;
   while (next > h.every && (next > most || use(next) > 1)) next /= 2;
   if (next == was && done % (2 * was) == 0 && 2 * was <= most && use(2 * was) <= k_longer) next = 2 * was;

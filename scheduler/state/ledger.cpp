@@ -19,12 +19,20 @@ Ledger::Ledger(const Rules& rules, Columns& columns) {
   columns.add(i, rows);
 }
 
+void Ledger::count_leavers(Columns& columns) {
+  ColumnInfo i;
+  i.name = "energy of pairs";
+  i.unit = "J";
+  i.why = "output.energies and grains that may leave";
+  i.moves = false;
+  columns.add(i, pairs);
+}
+
 void Ledger::count_sizes(Columns& columns) {
   ColumnInfo i;
   i.name = "energy by radius";
-  i.unit = "N, J";
+  i.unit = "N";
   i.why = "output.energies and changing sizes";
-  i.width = 2;
   i.moves = false;
   columns.add(i, push);
   ColumnInfo g;
@@ -55,7 +63,7 @@ Vec3 old_spin(const Rules& rules, const Rows& rows, std::int32_t b) {
 std::array<double, 2> size_work(const Rules& rules, const Clock& clock, const Rows& rows, Ledger& ledger, Row i) {
   const auto at = static_cast<std::size_t>(i);
   const double *x = rows.p2.data() + 4L * i, *next = rows.p.data() + 4L * i;
-  const double push = 0.5 * ledger.push[2 * at], settled = push * ledger.grown[at];
+  const double push = 0.5 * ledger.push[at], settled = push * ledger.grown[at];
   ledger.spare[at] = next[3] - x[3];
   const auto [v, inverse_mass] = velocity_of(rows, i);
   if (!rows.is_alive(i) || !(inverse_mass > 0)) return {settled, 0};
@@ -165,6 +173,7 @@ void add_step_work(const Rules& rules, const Clock& clock, const Rows& rows, con
     for (const auto& c : contacts.chunks)
       for (const double p : c->wall.power) power += p;
   ledger.work_before = ledger.work;
+  ledger.left = 0;
   const double before = ledger.work.drive;
   ledger.work.drive = power;
   if (rows.resized) std::swap(ledger.grown, ledger.spare);
@@ -222,7 +231,7 @@ Energies energies_of(const Rules& rules, const Clock& clock, const Rows& rows, c
     const bool free = velocity_of(rows, i).inverse_mass > 0;
     return free ? mass(i) * dot(weight, Vec3{x[0], x[1], x[2]} + rules.scene.domain.lower) : 0.0;
   });
-  e.elastic = sum_all(rows, [&](Row i) { return springs[4L * i]; });
+  e.elastic = sum_all(rows, [&](Row i) { return springs[4L * i]; }) - ledger.left;
   e.dissipated_damping = ledger.work.damping;
   e.dissipated_friction = ledger.work.friction;
   e.dissipated_background = ledger.work.background;

@@ -33,8 +33,10 @@ struct Team;
 struct Ledger {
   Column<double> rows;  ///< [4 n]: elastic, damping, friction, work of a driven row or what local damping takes [J]
   WorkTotals work, work_before;  ///< before: what a step that fails goes back to
+  Column<double> pairs;          ///< [n], only where grains can leave: half the elastic energy of the row's pairs [J]
+  double left = 0;  ///< of `rows` after a removal, in pairs whose other grain is gone: until the next forces [J]
   // only where sizes change:
-  Column<double> push;  ///< [2 n]: size_push.hpp: derivative of elastic energy by radius [N], half that of pairs [J]
+  Column<double> push;           ///< [n]: size_push.hpp: derivative of elastic energy by radius [N]
   Column<double> grown, spare;   ///< [n]: by how much radii have changed in the last step [m]; the step before
   double inserted = 0;           ///< brought in less taken out by sources, removals, events [J]
   std::vector<StepWork> blocks;  ///< of the last step, by block of k_energy_block rows
@@ -43,7 +45,8 @@ struct Ledger {
   bool start_known = false;
 
   Ledger(const Rules& rules, Columns& columns);
-  void count_sizes(Columns& columns);  ///< radii and masses of rows change
+  void count_leavers(Columns& columns);  ///< grains may leave, and take the springs of their contacts along
+  void count_sizes(Columns& columns);    ///< radii and masses of rows change
 };
 
 /// Adds the work of the finished step to the run's totals. The first step of the motion has no way behind it.

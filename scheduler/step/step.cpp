@@ -10,6 +10,7 @@
 #include "scheduler/lists/skin_check.hpp"
 #include "scheduler/nodes/check.hpp"
 #include "scheduler/nodes/events.hpp"
+#include "scheduler/nodes/leavers.hpp"
 #include "scheduler/nodes/plane_count.hpp"
 #include "scheduler/step/world.hpp"
 #include "scheduler/team/parallel.hpp"
@@ -34,7 +35,16 @@ void check_results(World& w) {
   } else {
     judge_step(w.rules, w.clock, w.contacts, w.walls, w.monitor, nullptr);
   }
+  // Grains that have left take the springs of their contacts along. Where two of them touch, the contacts of the
+  // present positions tell which springs would count twice.
+  LeavingSprings s;
+  if (!w.ledger.pairs.empty()) s = springs_of_leavers(w.rules, w.rows, w.contacts, w.ledger);
+  const auto present = [&] { return elastic_in(energy_rows(w, w.clock.step), w.rows); };
+  double gone = s.meet ? present() : s.all;
   remove_leavers(w.rules, w.clock, w.rows, w.contacts, w.lists, w.ledger, w.counters, w.parts);
+  if (s.meet) gone -= present();
+  w.ledger.inserted -= gone;
+  w.ledger.left = s.left - (s.all - gone);
   w.contacts.news.store(false, std::memory_order_relaxed);
 }
 

@@ -15,6 +15,7 @@
 #include "scheduler/nodes/events.hpp"
 #include "scheduler/nodes/force.hpp"
 #include "scheduler/nodes/integrate.hpp"
+#include "scheduler/nodes/leavers.hpp"
 #include "scheduler/nodes/narrow.hpp"
 #include "scheduler/nodes/plane_count.hpp"
 #include "scheduler/nodes/resize.hpp"
@@ -79,6 +80,7 @@ NextChunk next_of(const World& w) {
 
 void run_force(World& w, Chunk& c) {
   force_chunk(w.rules, w.clock, w.rows, w.ledger.rows, c, next_of(w));
+  if (!w.ledger.pairs.empty()) keep_pairs(w.ledger, c);
   if (!w.ledger.push.empty()) push_pairs(w.rules, w.rows, w.ledger, c);
 }
 

@@ -20,7 +20,8 @@ World::World(Start start)
     p->add_columns(rows.columns);
     rows.resized = rows.resized || p->resizes();
   }
-  if (rows.resized && rules.has.energies) ledger.count_sizes(rows.columns);
+  if (rules.has.energies && (rules.has.removal || rows.resized)) ledger.count_leavers(rows.columns);
+  if (rules.has.energies && rows.resized) ledger.count_sizes(rows.columns);
 }
 
 }  // namespace talus

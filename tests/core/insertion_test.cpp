@@ -254,6 +254,20 @@ TEST(InsertionStream, BatchesComeOnTimeAtTheRateWithoutOverlap) {
   EXPECT_EQ(insertion.inserted(), static_cast<std::int64_t>(all.size()));
 }
 
+// rate (end - start), whatever share of an interval the end leaves to the last batch
+TEST(InsertionStream, BringsWhatIsDueBetweenItsStartAndItsEnd) {
+  for (const double time : {0.003, 0.0123, 0.02, 0.0877, 0.123}) {
+    Scene s = stream_scene();
+    s.sources[0].end = 0.05 + time;
+    s.sources[0].size = {};
+    s.sources[0].size.diameter = 0.02;
+    Insertion insertion(s);
+    std::int64_t n = 0;
+    while ((n = insertion.next_step(n)) != INT64_MAX) insertion.batch(n++, {});
+    EXPECT_EQ(insertion.inserted(), static_cast<std::int64_t>(1500 * time + 1e-6)) << time;
+  }
+}
+
 TEST(InsertionStream, MassRateAndLimitsHold) {
   Scene s = stream_scene();
   s.sources[0].number_rate = 0;

@@ -423,6 +423,47 @@ TEST(InsertionClosedWalls, ARegionOnBothSidesOfAClosedWallIsSaid) {
   EXPECT_TRUE(notes().empty());
 }
 
+TEST(InsertionOpenWalls, ARegionOnBothSidesOfAPlaneATubeOrAConeIsSaid) {
+  Scene s = open_scene({});
+  s.sources = {pack(s, Source::Kind::random, 0.04, 100)};
+  s.sources[0].region = {{1, 1, 1}, {2, 2, 2}, 0};
+  const auto notes = [&](const WallSpec& wall) {
+    s.walls = {wall};
+    WallSet walls = walls_of(s);
+    return sides_of_open_walls(s, walls);
+  };
+  WallSpec tube;
+  tube.name = "tube";
+  tube.shape = WallShape::cylinder;
+  tube.point = {1.5, 1.5, 0.9};
+  tube.length = 1.2;
+  tube.radius = 0.4;
+  ASSERT_EQ(notes(tube).size(), 1u);  // pi (0.4 - r)^2 within, 0.96^2 - pi (0.4 + r)^2 around it; r = 0.02
+  EXPECT_CONTAINS(notes(tube)[0], "source 'pack': about ");
+  EXPECT_CONTAINS(notes(tube)[0], "near wall \"tube\" lies within it, the rest around it");
+  const double share = std::stod(notes(tube)[0].substr(std::string("source 'pack': about ").size()));
+  const double within = 3.14159265 * 0.38 * 0.38, beyond = 0.96 * 0.96 - 3.14159265 * 0.42 * 0.42;
+  EXPECT_NEAR(share, 100 * within / (within + beyond), 3);
+  tube.radius = 0.8;  // around all of it
+  EXPECT_TRUE(notes(tube).empty());
+  tube.radius = 0.015;  // a rod that no grain fits into
+  EXPECT_TRUE(notes(tube).empty());
+  tube.radius = 0.4, tube.point.z = 2;  // above
+  EXPECT_TRUE(notes(tube).empty());
+  tube.point.z = 0.9, tube.motion.velocity = {1, 0, 0}, s.sources[0].start = 0.95;  // has left by then
+  EXPECT_TRUE(notes(tube).empty());
+  s.sources[0].start = 0;
+  WallSpec cone = tube;
+  cone.name = "hopper", cone.shape = WallShape::cone, cone.radius = 0.1, cone.radius_end = 0.9, cone.motion = {};
+  EXPECT_EQ(notes(cone).size(), 1u);
+  WallSpec plane = wall_test::plane_wall({1.5, 1.5, 1.3}, {0, 0, 1});
+  plane.name = "floor";
+  ASSERT_EQ(notes(plane).size(), 1u);
+  EXPECT_CONTAINS(notes(plane)[0], "near wall \"floor\" lies behind it, the rest before it");
+  plane.point.z = 1.02;  // half of a grain is behind: none finds room there
+  EXPECT_TRUE(notes(plane).empty());
+}
+
 // --- initial files
 
 class WallFile : public ::testing::Test {

@@ -134,5 +134,71 @@ TEST(UnusedTables, CurvesThatDoNotHoldWhereGrainsBeginAreSaid) {
   EXPECT_EQ(with("{ table = [[300, 800], [900, 900]] }"), "");
 }
 
+// The run ends at 1e-4 s, the domain is the unit cube, grains are 2 cm wide.
+TEST(UnusedKeys, WhatTheRunEndsBeforeIsSaid) {
+  const std::string grains =
+      "[[source]]\nname = \"bed\"\nkind = \"random\"\nnumber = 5\nsize = { diameter = 0.02 }\n"
+      "region = { lower = [0, 0, 0], upper = [1, 1, 1] }\nstart = ";
+  const std::string event = "[[event]]\naction = \"gravity\"\ngravity = [0, 0, -1]\ntime = ";
+  const std::string box = "[[wall]]\nname = \"w\"\nshape = \"box\"\nlower = [0.1, 0.1, 0.1]\nupper = [0.2, 0.2, 0.2]\n";
+  const std::string motion = "[wall.motion]\nvelocity = [0, 0, 1]\nstart = ";
+  EXPECT_EQ(notes(grains + "9e-5\n" + event + "9e-5\n" + box + "appear = 9e-5\n" + motion + "9e-5\n"), "");
+  EXPECT_CONTAINS(notes(grains + "1e-4\n"), "source 'bed' begins at 0.0001 s, and the run ends at 0.0001 s before it");
+  EXPECT_CONTAINS(notes(event + "2\n"), "event 0 (gravity) is due at 2 s, and the run ends at 0.0001 s before it");
+  EXPECT_CONTAINS(notes(grains + "0\n" + box + "appear = 1\n"), "wall \"w\" appears at 1 s");
+  EXPECT_CONTAINS(notes(grains + "0\n" + box + motion + "1\n"), "wall \"w\" begins to move at 1 s");
+  // --steps ends a run early: a first look at a scene
+  EXPECT_TRUE(forgotten_keys(read_scene_text(text_of(event + "2\n"), "t.toml", ".", {}), true).empty());
+}
+
+TEST(UnusedKeys, WallsThatNoGrainCanReachAreSaid) {
+  const auto with = [](const std::string& wall, const std::string& domain = "") {
+    const std::string text = text_of(
+        "[[source]]\nkind = \"random\"\nnumber = 5\nsize = { diameter = 0.02 }\n"
+        "region = { lower = [0, 0, 0], upper = [1, 1, 1] }\n[[wall]]\nname = \"w\"\n" +
+            wall,
+        domain);
+    std::string all;
+    for (const std::string& n : forgotten_keys(read_scene_text(text, "t.toml", ".", {}))) all += n;
+    return all;
+  };
+  const std::string box = "shape = \"box\"\nlower = [0.2, 0.2, ", end = "]\nupper = [0.4, 0.4, 2]\n";
+  EXPECT_EQ(with(box + "1.009" + end), "");  // a grain that touches the side reaches it
+  EXPECT_CONTAINS(with(box + "1.011" + end), "no grain can touch wall \"w\": it lies 0.011 m outside the domain");
+  EXPECT_EQ(with(box + "1.011" + end + "[wall.motion]\nvelocity = [0, 0, -1]\n"), "");          // it may come
+  EXPECT_EQ(with(box + "1.011" + end, "boundary = [\"wall\", \"wall\", \"periodic\"]\n"), "");  // its image does
+  const std::string plane = "shape = \"plane\"\nnormal = [0, 0, 2]\npoint = [0, 0, ";
+  EXPECT_EQ(with(plane + "-0.009]\n"), "");
+  EXPECT_CONTAINS(with(plane + "-0.5]\n"), "no grain can touch wall \"w\": it lies 0.5 m outside");
+  EXPECT_CONTAINS(with(plane + "1.5]\n"), "no grain can touch wall \"w\": it lies 0.5 m outside");
+  const std::string tube = "shape = \"cylinder\"\nlength = 1\nradius = 0.3\naxis = [0, 1, 0]\npoint = [0.5, 0, ";
+  EXPECT_EQ(with(tube + "1.305]\n"), "");
+  EXPECT_CONTAINS(with(tube + "1.4]\n"), "no grain can touch wall \"w\": it lies 0.1 m outside");
+}
+
+TEST(UnusedKeys, AveragesOverSpaceThatIsNotThereAreSaid) {
+  const std::string region = "[[output.region]]\nname = \"bed\"\nlower = [0, 0, 0]\nupper = ";
+  EXPECT_EQ(notes(region + "[1, 1, 1]\n"), "");
+  EXPECT_CONTAINS(notes(region + "[1, 1, 1.5]\n"), "output region 'bed' reaches 0.5 m out of the domain");
+}
+
+TEST(UnusedKeys, CelsiusDegreesAndOtherUnitsAreDoubted) {
+  const std::string heat = "[heat]\ncapacity = 800\nconductivity = 1\ntemperature = ";
+  EXPECT_EQ(notes(heat + "293\n"), "");
+  EXPECT_CONTAINS(notes(heat + "25\n"), "heat.temperature is 25 K, that is -248.15 degrees Celsius");
+  EXPECT_CONTAINS(notes(heat + "293\n[heat.gas]\ntemperature = [[0, 80], [1, 400]]\n"), "heat.gas.temperature is 80 K");
+  const auto friction = [](const std::string& value) {
+    std::string all;
+    for (const std::string& n :
+         forgotten_keys(read_scene_text(text_of(""), "t.toml", ".", {"contact.friction=" + value})))
+      all += n;
+    return all;
+  };
+  EXPECT_CONTAINS(notes(heat + "293\n[heat.gap]\nconductivity = 26\n"), "heat.gap.conductivity is 26 W/m/K");
+  EXPECT_EQ(friction("1.5"), "");
+  EXPECT_EQ(friction("1e6"), "");  // nothing slides
+  EXPECT_CONTAINS(friction("30"), "an angle of 30 degrees would be 0.577");
+}
+
 }  // namespace
 }  // namespace talus

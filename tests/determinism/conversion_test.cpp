@@ -138,6 +138,27 @@ TEST(Conversion, StepThatBecomesTooLongAsGrainsDecomposeIsRefusedByName) {
   }
 }
 
+// Grains convert exactly beside contacts of either precision; the kernels of "fast" have another name.
+TEST(Conversion, GoesOnBesideFastContacts) {
+  double mass[2];
+  for (const bool fast : {false, true}) {
+    Scene s = quick(bed());
+    s.precision = fast ? Precision::fast : Precision::exact;
+    try {
+      Simulation sim(s, RunOptions{});
+      convert(sim, hot_settings(50));
+      const double before = value_of(sim, "conversion.mass");
+      sim.run(1000);
+      mass[fast ? 1 : 0] = value_of(sim, "conversion.mass");
+      EXPECT_LT(mass[fast ? 1 : 0], 0.99 * before);
+    } catch (const Error& e) {
+      ASSERT_EQ(e.code(), ErrorCode::usage) << e.what();
+      GTEST_SKIP() << "no instruction set with fused multiply-add here";
+    }
+  }
+  EXPECT_NEAR(mass[1] / mass[0], 1, 1e-6);  // their surroundings are the same wherever they roll
+}
+
 TEST(Conversion, BitsDependOnTheTrajectoryAlone) {
   const Scene s = quick(bed());
   const Variant plain{ListPolicy::local, 200, 1, 0, Isa::automatic};

@@ -1,8 +1,13 @@
 // Grains in the gas: a falling grain.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <string>
 
+#include "core/base/error.hpp"
 #include "core/gas/drag.hpp"
 #include "core/gas/species.hpp"
 #include "scheduler/simulation.hpp"
@@ -47,6 +52,40 @@ TEST(GasPart, GasThatNeverActsInARunIsSaid) {
     for (const Warning& w : sim.warnings()) said += w.text.find("'gas' acts every 101 steps") != std::string::npos;
     EXPECT_EQ(said, every > 100 ? 1 : 0);
   }
+}
+
+/// Drag may not stop a grain within a step; a grain that is held has none to stop it.
+TEST(GasPart, OnlyGrainsThatMoveLimitTheStep) {
+  const std::string path = testing::TempDir() + "gas-held-" + std::to_string(getpid()) + ".csv";
+  const auto refusal = [&](int held) {
+    std::ofstream(path) << "x,y,z,radius,fixed\n0.002,0.005,0.005,1e-5," << held << "\n0.007,0.005,0.005,5e-4,0\n";
+    Scene s = box({0.01, 0.01, 0.01}, {2, 2, 2}, 1e-3);
+    s.contact.normal_stiffness = 1e-6;
+    s.contact.normal_damping = 0;
+    s.gas.every = 2;
+    s.dt = 5e-3;  // m/drag = 2 rho r^2 / (9 mu): 3 ms and 7.6 s
+    s.steps = 10;
+    s.allow_unstable_step = true;
+    s.gravity = {};
+    Source file;
+    file.kind = Source::Kind::file;
+    file.file = path;
+    s.sources = {file};
+    GroupSpec g;
+    g.name = "held";
+    g.fixed_in_file = true;
+    s.groups = {g};
+    try {
+      Simulation sim(s, RunOptions{});
+      sim.run(10);
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_NE(refusal(0).find("time.step is too long for part 'gas'"), std::string::npos) << refusal(0);
+  EXPECT_EQ(refusal(1), "accepted");
+  std::remove(path.c_str());
 }
 
 TEST(GasPart, FallingGrainReachesItsTerminalVelocity) {

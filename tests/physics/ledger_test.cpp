@@ -212,6 +212,34 @@ TEST(PhysicsLedger, CountsTheSpringsOfContactsThatEventsAndWallsEndAndBegin) {
   }
 }
 
+// Grains that leave through an open side while they touch take along the springs of what they touch: of walls (floor
+// and lid), of a grain that stays behind, and once only that of two grains which leave together.
+TEST(PhysicsLedger, GrainsThatLeaveWhileTheyTouchTakeTheirSpringsAlong) {
+  constexpr double exact = 1e-9, moving = 1e-3;
+  const auto leave = [](Vec3 lower, Vec3 upper) {  // velocities [m/s]; the side is 1e-5 m away
+    Pressed p;
+    p.s.groups.clear();
+    p.s.sources.clear();
+    const double x = 0.1 - 1e-5, z = Pressed::r - Pressed::d;
+    add_grains(p.s, {{{x, 0, z}, lower, Pressed::r}, {{x, 0, 3 * Pressed::r - 2 * Pressed::d}, upper, Pressed::r}});
+    Simulation sim(p.s, options());
+    double residual = 0;
+    for (int n = 0; n < 60; ++n) {
+      sim.run(1);
+      residual = std::max(residual, std::fabs(sim.energies().residual) / Pressed::spring);
+    }
+    return std::pair{sim.particles(), residual};
+  };
+  const auto [none, together] = leave({0.5, 0, 0}, {0.5, 0, 0});
+  EXPECT_EQ(none, 0);
+  EXPECT_LT(together, exact);
+  for (const bool first : {false, true}) {
+    const auto [one, residual] = first ? leave({0.5, 0, 0}, {}) : leave({}, {0.5, 0, 0});
+    EXPECT_EQ(one, 1);
+    EXPECT_LT(residual, moving);
+  }
+}
+
 TEST(PhysicsLedger, OfAnOedometerClosesHoweverOftenOneLooks) {
   // 4^3 grains in a box of their own width, pressed together by 3 % from above.
   constexpr double r = 0.005, side = 8 * r;

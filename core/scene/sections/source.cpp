@@ -77,7 +77,8 @@ const Keys<Source> k_source(
             .meaning({{"hcp", "hexagonal"}, {"close_packed", "hexagonal"}, {"sc", "cubic"}, {"square", "cubic"}}),
         key("start", &Source::start, "s", k_not_negative, "time of the pack, or of the first batch", "0.1")
             .only(k_made),
-        key("end", &Source::end, "s", k_not_negative, "no batches at or after this time", "2.0")
+        key("end", &Source::end, "s", k_not_negative,
+            "no batches at or after this time; the last one brings what is due until then", "2.0")
             .only("kind=stream")
             .absent("(never)")
             .acts(),

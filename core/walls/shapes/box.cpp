@@ -16,10 +16,12 @@ std::unique_ptr<const Shape> make(const ShapeRequest& r) {
   return std::make_unique<Faceted>(mesh, r);
 }
 
+double away(const Domain& d, const WallSpec& w) { return away_from(d, w.lower, w.upper); }
+
 std::optional<Mesh> enclosing(const Scene&, const WallSpec& w) { return box_mesh(w.lower, w.upper); }
 
 }  // namespace
 
-const ShapeKind k_box_shape{WallShape::box, check, make, enclosing};
+const ShapeKind k_box_shape{WallShape::box, check, make, enclosing, {}, away};
 
 }  // namespace talus

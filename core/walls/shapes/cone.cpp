@@ -17,8 +17,12 @@ std::unique_ptr<const Shape> make(const ShapeRequest& r) {
   return std::make_unique<Frustum>(r.spec, r.spec.radius_end);
 }
 
+double side(const WallSpec& w, Vec3 x) { return side_of_tube(w, w.radius_end, x); }
+
+double away(const Domain& d, const WallSpec& w) { return away_of_tube(d, w, w.radius_end); }
+
 }  // namespace
 
-const ShapeKind k_cone_shape{WallShape::cone, check, make};
+const ShapeKind k_cone_shape{WallShape::cone, check, make, nullptr, {side, "within it", "around it"}, away};
 
 }  // namespace talus

@@ -11,8 +11,12 @@ void check(const WallSpec& w) {
 
 std::unique_ptr<const Shape> make(const ShapeRequest& r) { return std::make_unique<Frustum>(r.spec, r.spec.radius); }
 
+double side(const WallSpec& w, Vec3 x) { return side_of_tube(w, w.radius, x); }
+
+double away(const Domain& d, const WallSpec& w) { return away_of_tube(d, w, w.radius); }
+
 }  // namespace
 
-const ShapeKind k_cylinder_shape{WallShape::cylinder, check, make};
+const ShapeKind k_cylinder_shape{WallShape::cylinder, check, make, nullptr, {side, "within it", "around it"}, away};
 
 }  // namespace talus

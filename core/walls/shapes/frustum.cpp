@@ -74,6 +74,27 @@ WallPiece Frustum::piece(std::int32_t) const {
   return p;
 }
 
+double side_of_tube(const WallSpec& spec, double radius_end, Vec3 x) {
+  const FrustumElement f = make_frustum(spec.point, spec.axis, spec.length, spec.radius, radius_end);
+  const Vec3 d = x - f.base;
+  const double z = dot(d, f.axis);
+  if (!(f.length > 0) || z < 0 || z > f.length) return 0;
+  const double rho = norm(d - z * f.axis), radius = f.radius_start + (radius_end - f.radius_start) * (z / f.length);
+  return (rho - radius) * f.normal_rho;
+}
+
+double away_of_tube(const Domain& domain, const WallSpec& spec, double radius_end) {
+  const Vec3 axis = unit(spec.axis), end = spec.point + spec.length * axis;
+  const double r = fmax2(spec.radius, radius_end);
+  Vec3 lower, upper;
+  for (int k = 0; k < 3; ++k) {
+    const double across = r * std::sqrt(fmax2(0.0, 1 - axis[k] * axis[k]));
+    lower[k] = fmin2(spec.point[k], end[k]) - across;
+    upper[k] = fmax2(spec.point[k], end[k]) + across;
+  }
+  return away_from(domain, lower, upper);
+}
+
 double Frustum::arm(const WallMotion& m) const {
   return farthest_from_axis(m.rotation_origin, m.rotation_axis, rims(frustum_));
 }

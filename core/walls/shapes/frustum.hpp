@@ -5,6 +5,10 @@
 
 namespace talus {
 
+/// ShapeSides::of and ShapeKind::away of a tube whose radius goes from spec.radius to `radius_end`.
+double side_of_tube(const WallSpec& spec, double radius_end, Vec3 x);
+double away_of_tube(const Domain& domain, const WallSpec& spec, double radius_end);
+
 class Frustum final : public Shape {
  public:
   /// Radius spec.radius at spec.point, `radius_end` at the other end [m].

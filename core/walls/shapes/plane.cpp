@@ -59,8 +59,19 @@ std::unique_ptr<const Shape> make(const ShapeRequest& r) {
   return std::make_unique<Plane>(r.spec);
 }
 
+double side(const WallSpec& w, Vec3 x) { return dot(x - w.point, unit(w.normal)); }
+
+double away(const Domain& d, const WallSpec& w) {
+  double low = k_never, high = -k_never;
+  for (const Vec3 x : box_corners(d.lower, d.upper)) {
+    const double s = side(w, x);
+    low = fmin2(low, s), high = fmax2(high, s);
+  }
+  return fmax2(0.0, fmax2(low, -high));
+}
+
 }  // namespace
 
-const ShapeKind k_plane_shape{WallShape::plane, check, make};
+const ShapeKind k_plane_shape{WallShape::plane, check, make, nullptr, {side, "behind it", "before it"}, away};
 
 }  // namespace talus

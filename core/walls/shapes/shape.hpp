@@ -65,13 +65,24 @@ struct ShapeRequest {
   double largest_diameter;        ///< of grains to come [m]; 0: unknown
 };
 
-/// The line of a shape: its word, what its measures must be, how it is made, and what it encloses.
+/// The two sides of a shape: how far x is from the surface, negative on one of them, and 0 where it lies on neither,
+/// beyond an end [m]; what the negative and the other side are called.
+struct ShapeSides {
+  double (*of)(const WallSpec&, Vec3 x) = nullptr;
+  const char *negative = "", *positive = "";
+};
+
+/// The line of a shape: its word, what its measures must be, how it is made, what it encloses, which side of it is
+/// which, and how far it keeps from the domain.
 struct ShapeKind {
   WallShape shape;
   void (*check)(const WallSpec&);  ///< Error{scene}
   std::unique_ptr<const Shape> (*make)(const ShapeRequest&);
   /// Facets that may enclose space; nullptr: the shape never does. Nothing where a surface has holes.
   std::optional<Mesh> (*enclosing)(const Scene&, const WallSpec&) = nullptr;
+  ShapeSides sides = {};
+  /// At rest, along axes that are not periodic; 0 where it reaches into the domain [m]. nullptr: not known.
+  double (*away)(const Domain&, const WallSpec&) = nullptr;
 };
 const ShapeKind& shape_kind(WallShape shape);
 
@@ -81,5 +92,7 @@ extern const ShapeKind k_plane_shape, k_cylinder_shape, k_cone_shape, k_box_shap
 /// Error{scene} that names the wall unless ok.
 void require_of_wall(bool ok, const WallSpec& wall, const std::string& what, const std::string& cure);
 std::array<Vec3, 8> box_corners(Vec3 lower, Vec3 upper);
+/// ShapeKind::away of what lies within a box.
+double away_from(const Domain& domain, Vec3 lower, Vec3 upper);
 
 }  // namespace talus

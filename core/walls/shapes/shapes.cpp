@@ -23,4 +23,11 @@ std::array<Vec3, 8> box_corners(Vec3 lower, Vec3 upper) {
   return c;
 }
 
+double away_from(const Domain& domain, Vec3 lower, Vec3 upper) {
+  double gap = 0;
+  for (int k = 0; k < 3; ++k)
+    if (!domain.periodic(k)) gap = fmax2(gap, fmax2(lower[k] - domain.upper[k], domain.lower[k] - upper[k]));
+  return gap;
+}
+
 }  // namespace talus
