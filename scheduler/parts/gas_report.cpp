@@ -93,10 +93,14 @@ std::vector<PartValue> gas_values(const gas::Gas& gas, const Scene& scene, int a
   if (scene.heat.on) {
     out.push_back({"gas.enthalpy", "J", b.stored_enthalpy});
     out.push_back({"gas.heat_from_grains", "J", b.passed.heat_grains});
+    out.push_back({"gas.enthalpy_in", "J", b.passed.enthalpy_in});
+    out.push_back({"gas.enthalpy_out", "J", b.passed.enthalpy_out});
   }
   if (scene.conversion.on) {
     out.push_back({"gas.mass_from_grains", "kg", gas::sum(b.passed.grains)});
     out.push_back({"gas.enthalpy_from_grains", "J", b.passed.enthalpy_grains});
+    for (std::size_t k = 0; k < k_gas_species; ++k)
+      out.push_back({"gas.out_" + std::string(gas::species(static_cast<int>(k)).name), "kg", b.passed.out[k]});
   }
   return out;
 }
