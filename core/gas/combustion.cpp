@@ -66,7 +66,33 @@ double burning_rate(int r, const GasFractions& c, double t) noexcept { return ra
 
 namespace {
 
-/// Extent of reaction r over tau, per volume [mol/m3].
+/// Of the x where a falling rate(x) equals x, between 0 and high: rate(x) > x up to `low`, rate(x) < x from `high` on,
+/// with a margin of 1e-13, twenty times what rates are rounded by.
+struct Bracket {
+  double low, high;
+};
+template <class Rate>
+Bracket bracket(const Rate& rate, double now, double high) {
+  constexpr double close = 1e-13;
+  double a = 0, b = high, at_a = now, at_b = rate(high) - high;
+  if (at_b > 0) return {0, high};  // nothing known
+  for (int q = 0, side = 0; q < 40 && b - a > 2 * close * b; ++q) {
+    const double x = fmax2(a + close * b, fmin2((a * at_b - b * at_a) / (at_b - at_a), b - close * b));
+    const double y = rate(x) - x;
+    if (y > 0) {
+      a = x, at_a = y;
+      if (side == 1) at_b *= 0.5;  // the same side again: the other end counts half
+      side = 1;
+    } else {
+      b = x, at_b = y;
+      if (side == -1) at_a *= 0.5;
+      side = -1;
+    }
+  }
+  return {a - close * b, b + close * b};
+}
+
+/// Extent of reaction r over tau, per volume [mol/m3], by halving; a bracket spares most of the rates.
 double extent(int r, const GasFractions& c, double t, double tau) {
   double most = 1e300;
   for (int k = 0; k < k_gas_species; ++k)
@@ -74,13 +100,18 @@ double extent(int r, const GasFractions& c, double t, double tau) {
   if (!(most > 0)) return 0;
   const double constant = rate_constant(r, t), now = tau * rate_of(r, constant, c);
   if (!(now > 0)) return 0;
-  double low = 0, high = fmin2(most, now);
-  for (int q = 0; q < 60 && high - low > 1e-14 * high; ++q) {
-    const double middle = 0.5 * (low + high);
+  const auto rate = [&](double x) {
     GasFractions after = c;
     for (int k = 0; k < k_gas_species; ++k)
-      if (k_change[r][k] < 0) after[static_cast<std::size_t>(k)] += k_change[r][k] * middle;
-    (tau * rate_of(r, constant, after) > middle ? low : high) = middle;
+      if (k_change[r][k] < 0) after[static_cast<std::size_t>(k)] += k_change[r][k] * x;
+    return tau * rate_of(r, constant, after);
+  };
+  double low = 0, high = fmin2(most, now);
+  const Bracket known = bracket(rate, now, high);
+  for (int q = 0; q < 60 && high - low > 1e-14 * high; ++q) {
+    const double middle = 0.5 * (low + high);
+    const bool more = middle <= known.low || (middle < known.high && rate(middle) > middle);
+    (more ? low : high) = middle;
   }
   return low;
 }

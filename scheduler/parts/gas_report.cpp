@@ -14,18 +14,18 @@ constexpr double k_pressure_change = 0.1;  // by which water boils 3 K off
 
 constexpr auto k_steam = static_cast<std::size_t>(GasSpecies::h2o);
 
-/// Where steam is farthest above saturation.
+/// Where steam is farthest above saturation: that of the gas, and that of its grains where none of them takes steam up.
 struct Wettest {
   double ratio = 0, gas = 0, grains = 0;  ///< partial pressure / that of saturation; temperatures [K], 0: no grains
   int cell = -1, cells = 0;               ///< cells: above saturation
 };
 
-Wettest wettest(const gas::Gas& gas, const gas::FromGrains& from) {
+Wettest wettest(const gas::Gas& gas, const gas::FromGrains& from, const std::vector<char>& wetted) {
   Wettest w;
   const gas::ToGrains& f = gas.fields();
   for (std::size_t c = 0; c < f.temperature.size(); ++c) {
     if (!(f.fractions[c][k_steam] > 0)) continue;
-    const double grains = from.conductance[c] > 0 ? from.heat[c] / from.conductance[c] : 0;
+    const double grains = from.conductance[c] > 0 && wetted[c] == 0 ? from.heat[c] / from.conductance[c] : 0;
     const double coldest = grains > 0 ? fmin2(grains, f.temperature[c]) : f.temperature[c];
     const double ratio = gas::steam_pressure(f.fractions[c], f.pressure[c]) / gas::saturation_pressure(coldest);
     w.cells += ratio > k_saturated;
@@ -105,9 +105,10 @@ std::vector<PartValue> gas_values(const gas::Gas& gas, const Scene& scene, int a
   return out;
 }
 
-std::vector<PartConcern> gas_concerns(const gas::Gas& gas, const Scene& scene, const gas::FromGrains& from) {
+std::vector<PartConcern> gas_concerns(const gas::Gas& gas, const Scene& scene, const gas::FromGrains& from,
+                                      const std::vector<char>& wetted) {
   std::vector<PartConcern> all;
-  if (const Wettest w = wettest(gas, from); w.ratio > k_saturated) {
+  if (const Wettest w = wettest(gas, from, wetted); w.ratio > k_saturated) {
     const Vec3 x = gas.grid().middle(w.cell);
     all.push_back(
         {"saturation",
