@@ -6,8 +6,8 @@
   python3 cases/grates/steady.py results/furnace-steady --write       # puts the tables on FURNACE.md
 
 Residence time: mean number of grains over grains fed per second (Little), in the window itself. Three blocks of one
-residence time each, ten batches per block; intervals are those of 95 % of the mean of the batches, widened by the
-correlation of neighbours. Held, judged by rules that were set before the run:
+residence time each, ten batches per block; intervals of 95 % from the spread of all batches about a straight line,
+widened by the correlation of neighbours. Held, judged by rules that were set before the stretch that is judged:
   1. what is stored: last and first block differ by no more than both intervals together, or by 3 % of the mean;
   2. what flows: in and out differ by no more than the interval of their difference, or by 3 % of what flows in;
      an interval beyond a fifth of the mean tells nothing, so that both fail there;
@@ -25,7 +25,7 @@ sys.dont_write_bytecode = True
 from page_table import write_table  # noqa: E402
 
 SMALL, WIDE, BOOKS, BLOCKS, BATCHES = 0.03, 0.2, 1e-9, 3, 10
-T_975 = {1: 12.71, 2: 4.303, 3: 3.182, 4: 2.776, 5: 2.571, 6: 2.447, 7: 2.365, 8: 2.306, 9: 2.262, 14: 2.145, 19: 2.093, 29: 2.045}
+T_975 = {1: 12.71, 2: 4.303, 3: 3.182, 4: 2.776, 5: 2.571, 6: 2.447, 7: 2.365, 8: 2.306, 9: 2.262, 12: 2.179, 15: 2.131, 20: 2.086, 25: 2.060}
 C, H, O = 12.011, 1.00794, 15.9994
 ATOMS = {"O2": (0, 0, 2), "CO2": (1, 0, 2), "CO": (1, 0, 1), "H2O": (0, 2, 1), "H2": (0, 2, 0), "CH4": (1, 4, 0), "tar": (6, 6, 0), "N2": (0, 0, 0)}
 
@@ -56,15 +56,24 @@ def quantile(freedom):
     return T_975[max((k for k in T_975 if k <= freedom), default=1)]
 
 
-def interval(x):
-    """Mean of batches and half of its interval of 95 %."""
-    n, mean = len(x), sum(x) / len(x)
-    spread = sum((v - mean) ** 2 for v in x)
-    if not spread > 0:
-        return mean, 0.0
-    next_to = max(0.0, sum((a - mean) * (b - mean) for a, b in zip(x, x[1:])) / spread)
-    free = max(2.0, n * (1 - next_to) / (1 + next_to))
-    return mean, quantile(int(free) - 1) * math.sqrt(spread / (n - 1) / free)
+class Batches:
+    """Means of equal stretches of time. Their spread is that about a straight line, so that a drift does not hide in it."""
+
+    def __init__(self, x):
+        self.x, n = x, len(x)
+        mean, middle = sum(x) / n, (n - 1) / 2
+        slope = sum((k - middle) * v for k, v in enumerate(x)) / sum((k - middle) ** 2 for k in range(n))
+        rest = [v - mean - slope * (k - middle) for k, v in enumerate(x)]
+        square = sum(v * v for v in rest)
+        next_to = max(0.0, sum(a * b for a, b in zip(rest, rest[1:])) / square) if square > 0 else 0.0
+        self.worth = (1 - next_to) / (1 + next_to)  # of a batch, whose neighbours tell much the same
+        self.spread = math.sqrt(square / (n - 2))
+
+    def mean(self, block=None):
+        """Mean of a block or of all, and half of its interval of 95 %."""
+        x = self.x if block is None else self.x[BATCHES * block:BATCHES * (block + 1)]
+        freedom = max(1, int((len(self.x) - 2) * self.worth))
+        return sum(x) / len(x), quantile(freedom) * self.spread / math.sqrt(max(1.0, len(x) * self.worth))
 
 
 class Window:
@@ -80,19 +89,17 @@ class Window:
     def at(self, t):
         return min(self.rows, key=lambda r: abs(r["time"] - t))
 
-    def edges(self, block, count):
-        from_, to = (0, BLOCKS) if block is None else (block, block + 1)
-        return [self.start + self.tau * (from_ + (to - from_) * k / count) for k in range(count + 1)]
+    def edges(self):
+        return [self.start + self.tau * k / BATCHES for k in range(BLOCKS * BATCHES + 1)]
 
-    def stored(self, of, block):
-        e = self.edges(block, BATCHES)
+    def stored(self, of):
+        e = self.edges()
         parts = [[of(r) for r in self.rows if a - 1e-9 <= r["time"] < b - 1e-9] for a, b in zip(e, e[1:])]
-        return interval([sum(p) / len(p) for p in parts])
+        return Batches([sum(p) / len(p) for p in parts])
 
-    def flow(self, of, block):
-        count = BATCHES * (BLOCKS if block is None else 1)
-        ends = [self.at(t) for t in self.edges(block, count)]
-        return interval([(of(b) - of(a)) / (b["time"] - a["time"]) for a, b in zip(ends, ends[1:])])
+    def flow(self, of):
+        ends = [self.at(t) for t in self.edges()]
+        return Batches([(of(b) - of(a)) / (b["time"] - a["time"]) for a, b in zip(ends, ends[1:])])
 
 
 def one(name):
@@ -144,6 +151,7 @@ def books(rows):
 
 def show(mean, half, factor):
     mean, half = mean * factor, half * factor
+    half = half if half > 1e-9 * abs(mean) else 0.0
     digits = 0 if not half > 0 else max(0, min(6, 1 - math.floor(math.log10(half))))
     return f"{mean:.{digits}f} ± {half:.{digits}f}" if half > 0 else f"{mean:.4g}"
 
@@ -154,7 +162,8 @@ def tables(rows):
     lines = [f"Residence time {w.tau:.1f} s; blocks from {w.start:.1f} to {w.end:.1f} s.", "",
              "| stored | " + " | ".join(f"block {b + 1}" for b in range(BLOCKS)) + " | last less first | held |", "|---" * (BLOCKS + 3) + "|"]
     for name, unit, factor, of in STORED:
-        m = [w.stored(of, b) for b in range(BLOCKS)]
+        batches = w.stored(of)
+        m = [batches.mean(b) for b in range(BLOCKS)]
         change, allowed = m[-1][0] - m[0][0], max(math.hypot(m[0][1], m[-1][1]), SMALL * abs(m[0][0] + m[-1][0]) / 2)
         held = abs(change) <= allowed <= WIDE * abs(m[0][0] + m[-1][0]) / 2
         good = good and held
@@ -162,20 +171,23 @@ def tables(rows):
     lines += ["", "| flow | " + " | ".join(f"block {b + 1}" for b in range(BLOCKS)) + " | all three |", "|---" * (BLOCKS + 2) + "|"]
     for name, unit, factor, of in FLOWS:
         if has(rows, of):
-            lines.append(f"| {name} [{unit}] | " + " | ".join(show(*w.flow(of, b), factor) for b in (*range(BLOCKS), None)) + " |")
+            batches = w.flow(of)
+            lines.append(f"| {name} [{unit}] | " + " | ".join(show(*batches.mean(b), factor) for b in (*range(BLOCKS), None)) + " |")
     lines += ["", "| in = out over the three blocks | out less in, of what came in | allowed | held |", "|---|---|---|---|"]
     for name, come, go in PAIRS:
         if not (has(rows, come) and has(rows, go)):
             continue
-        into, (change, half) = w.flow(come, None)[0], w.flow(lambda r, a=come, b=go: b(r) - a(r), None)
+        into, (change, half) = w.flow(come).mean()[0], w.flow(lambda r, a=come, b=go: b(r) - a(r)).mean()
         held = abs(change) <= max(half, SMALL * abs(into)) <= WIDE * abs(into)
         good = good and held
         lines.append(f"| {name} | {100 * change / into:+.2f} % | {100 * max(half / abs(into), SMALL):.1f} % | {'yes' if held else 'NO'} |")
     lines += ["", "| books since the start | residual / what went through | below 1e-9 |", "|---|---|---|"]
     for name, residual, through in books(rows):
+        if through == 0 == residual:
+            continue  # nothing of it yet
         held = abs(residual) <= BOOKS * through
         good = good and held
-        lines.append(f"| {name} | {residual / through:.1e} | {'yes' if held else 'NO'} |")
+        lines.append(f"| {name} | {residual / (through or 1):.1e} | {'yes' if held else 'NO'} |")
     return lines + ["", "Steady, and the books close." if good else "NOT steady, or books that do not close."], good
 
 
