@@ -54,6 +54,20 @@ void Step<S>::react() {
 }
 
 template <class S>
+void Step<S>::condense() {
+  const int i = n - 1;
+  const B left = clamped<S>(S::set(1) - (ld(w_.next, i) - ld(T_, i)) * dew_share_, S::set(0), S::set(1));
+  const B water = in(k_in_condensing)*left;
+  double* x = mass(m.moisture);
+  st(x, i, ld(x, i) + water);
+  st(w_.heat, i, ld(w_.heat, i) + water * dew_heat_);
+  put(k_out_condensed, water);
+  add(k_out_steam, water);
+  add(k_out_gone + 4, S::set(0) - water);
+  add(k_out_standard, S::set(m.evaporation - m.vapour_to_cells) * water);
+}
+
+template <class S>
 void Step<S>::burn(int c, int s, const double* share) {
   const BedChar& r = m.burning[c];
   double* done = cell(place_.burnt);

@@ -149,7 +149,10 @@ enum BedIn : int {
   k_in_partner_heat,  ///< sum of conductance times temperature of what it came from [W]
   k_in_oxygen,
   k_in_carbon_dioxide,
-  k_in_steam,  ///< mass fractions
+  k_in_steam,       ///< mass fractions
+  k_in_condensing,  ///< water that the surface gets from the gas while it is as cold as at the start [kg]; mostly 0
+  k_in_dew,         ///< temperature of the outermost shell at which it gets none [K]
+  k_in_dew_heat,    ///< heat that it brings, less that of the water at the temperature of the shell [J/kg]
   k_bed_in
 };
 enum BedOut : int {
@@ -176,6 +179,7 @@ enum BedOut : int {
   k_out_inner,         ///< conductance from its middle to the surface [W/K]
   k_out_conductivity,  ///< of the outermost shell [W/m/K]
   k_out_emissivity,
+  k_out_condensed,                              ///< water, a part of k_out_steam [kg]
   k_out_gone,                                   ///< elements that left [kg]
   k_out_released = k_out_gone + k_bed_elements  ///< gases [kg]
 };

@@ -182,6 +182,17 @@ typename S::B Step<S>::products(const BedReaction& a, const double* rate, const 
 }
 
 template <class S>
+void Step<S>::dew() {
+  const int i = n - 1;
+  const B zero = S::set(0), most_of = in(k_in_condensing), t = ld(T_, i);
+  dew_heat_ = in(k_in_dew_heat) - (ld(part(w_.sensible, 0), i) - S::set(m.sensible0[0]));
+  dew_share_ = S::select(S::gt(most_of, zero), S::set(1) / most<S>(in(k_in_dew)-t, S::set(1e-9)), zero);
+  st(w_.heat, i, ld(w_.heat, i) + most_of * dew_heat_);
+  st(w_.slope, i, ld(w_.slope, i) - most_of * dew_heat_ * dew_share_);
+  st(w_.capacity, i, ld(w_.capacity, i) + S::set(0.5) * ld(part(w_.specific, 0), i) * most_of);
+}
+
+template <class S>
 void Step<S>::plateaus() {
   const B zero = S::set(0), Tb = S::set(m.boiling), L = S::set(m.evaporation);
   const double *water = mass(m.moisture), *debt = cell(place_.debt);
@@ -191,6 +202,7 @@ void Step<S>::plateaus() {
     B flow = ld(debt, i) + ld(w_.heat, i) - ld(w_.capacity, i) * (Tb - ld(T_, i));
     if (i > 0) flow = flow + ld(w_.conductance, i) * (ld(T_, i - 1) - Tb);
     flow = flow + (i + 1 < n ? ld(w_.conductance, i + 1) * (ld(T_, i + 1) - Tb) : gain_ - loss_ * Tb);
+    if (condenses_ && i + 1 == n) flow = flow - in(k_in_condensing)*dew_heat_ * dew_share_ * (Tb - ld(T_, i));
     const B part = clamped<S>(flow, zero, whole);
     // at the plateau part of what there is evaporates; else it is a sink that is known
     const auto stays = S::lt(part, whole);

@@ -40,6 +40,7 @@ class Step {
     evaporated_ = carried_ = reaction_ = with_gas_ = S::set(0);
     radius0_ = S::load(cell(place_.radius0));
     surface_ = S::load(cell(place_.surface));
+    condenses_ = m.dries != 0 && S::any(S::gt(this->in(k_in_condensing), S::set(0)));
     capacities();
     boils_ = m.boils != 0 && there_[0];
     geometry();
@@ -47,9 +48,11 @@ class Step {
     film();
     if (m.chars > 0 || m.dries != 0) fronts();
     predict();
+    if (condenses_) dew();
     if (boils_) plateaus();
     solve();
     react();
+    if (condenses_) condense();
     book();
     release();
     if (m.secondary < m.reactions) crack();
@@ -106,6 +109,9 @@ class Step {
   void carry(int s, const double* share);
   /// Solids that a reaction makes. Returns its extent over all shells.
   B products(const BedReaction& a, const double* rate, const double* share);
+  /// Water that comes to the outermost shell from the gas: its heat falls along the chord to the dew point, so that the
+  /// shell does not get beyond it, however much there is.
+  void dew();
   /// Which shells stay at boiling temperature in this step, and which dry out (a sink), from the flows of its start.
   void plateaus();
 
@@ -119,6 +125,8 @@ class Step {
   void react();
   /// Gas that char reaction c of solid s takes and makes.
   void burn(int c, int s, const double* share);
+  /// The water that came, and its heat.
+  void condense();
   /// Heat that each shell took in, its temperature, and the debt.
   void book();
   /// Water that evaporates at the boiling temperature from the heat that the shell took in; sets its temperature.
@@ -141,10 +149,10 @@ class Step {
   const double* in_ = nullptr;
   double* out_ = nullptr;
   long in_stride_ = 0, stride_ = 0;
-  bool there_[k_bed_kinds] = {}, boils_ = false;  ///< in some lane
-  Range<S> range_;                                ///< of the temperatures that properties are asked for at
+  bool there_[k_bed_kinds] = {}, boils_ = false, condenses_ = false;  ///< in some lane
+  Range<S> range_;  ///< of the temperatures that properties are asked for at
   B radius0_, surface_, emissivity_, area_, inner_, mass_film_, surface_gain_, surface_slope_, around_gain_,
-      around_loss_, gain_, loss_, heat_in_, carried_, evaporated_, reaction_, with_gas_;
+      around_loss_, gain_, loss_, heat_in_, dew_heat_, dew_share_, carried_, evaporated_, reaction_, with_gas_;
 };
 
 }  // namespace talus::conversion::bed

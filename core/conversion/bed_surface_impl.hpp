@@ -28,6 +28,7 @@ void Step<S>::capacities() {
 
 template <class S>
 bool Step<S>::holds(int q) const {
+  if (q == 0 && condenses_) return true;
   if (m.present[q] == 0 || m.changes[q] == 0 || m.grown[q] != 0) return m.present[q] != 0;
   B most_of = S::set(0);
   for (int k = m.first_of_kind[q]; k < m.first_of_kind[q + 1]; ++k)
@@ -155,7 +156,8 @@ void Step<S>::fronts() {
     const B half = S::set(0.5) * (face - below) * (all * chars);
     if (m.dries != 0) {
       const B wet = ld(mass(m.moisture), i);
-      const B dried = half * two * (one - wet / most<S>(first * S::set(m.moisture_density), tiny));
+      B dried = half * two * (one - wet / most<S>(first * S::set(m.moisture_density), tiny));
+      dried = S::select(S::lt(dried, S::set(-1e-9) * half), zero, dried);  // wetter than at first: nothing is dry
       const B front = wet_open * least<S>(wet * trace / dry0, one);
       wet_open = wet_open - front;
       B K = zero;

@@ -95,7 +95,8 @@ constexpr GrainKey k_keys[] = {
     {"conductivity", "least", T::number, "W/m/K", 0, k_big, false, "", "0", "no conductivity is below", "0.02"},
 
     {"drying", "law", T::choice, "", 0, 0, false, "boiling|arrhenius|equilibrium", "\"boiling\"",
-     "at a constant temperature as heat arrives; a rate; or by vapour pressure at the wet front, besides boiling",
+     "at a constant temperature as heat arrives; a rate; or by vapour pressure at the wet front, besides boiling, and "
+     "backwards beside [gas]: steam above saturation condenses on the grain",
      "\"arrhenius\""},
     {"drying", "A", T::number, "1/s", 0, k_big, true, "", "5.13e10", "of the rate", "5.13e6"},
     {"drying", "E", T::number, "J/mol", 0, 1e7, false, "", "88000", "of the rate", "87900"},

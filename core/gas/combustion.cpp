@@ -28,42 +28,90 @@ double arrhenius(double factor, double energy, double t) { return factor * det::
 /// x^y, 0 at 0.
 double power(double x, double y) { return x > 0 ? det::pow(x, y) : 0; }
 
-}  // namespace
+/// The part of a rate that the temperature alone decides.
+double rate_constant(int r, double t) {
+  switch (r) {
+    case 0:
+      return arrhenius(1.3e8, 125520, t);
+    case 1:
+      return arrhenius(1.8e10, 146450, t);
+    case 2:
+      return arrhenius(1.585e10, 202506, t);
+    default:
+      return arrhenius(7.59e6, 125520, t);
+  }
+}
 
-double burning_rate(int r, const GasFractions& c, double t) noexcept {
+double rate_of(int r, double constant, const GasFractions& c) {
   const auto at = [&](int k) { return fmax2(0, c[static_cast<std::size_t>(k)]); };
   if (!(at(O2) > 0) || !(at(k_fuel[r]) > 0)) return 0;
   switch (r) {
     case 0:
-      return arrhenius(1.3e8, 125520, t) * at(CO) * __builtin_sqrt(at(H2O) * at(O2));
+      return constant * at(CO) * __builtin_sqrt(at(H2O) * at(O2));
     case 1:
-      return arrhenius(1.8e10, 146450, t) * at(H2) * __builtin_sqrt(at(O2));
+      return constant * at(H2) * __builtin_sqrt(at(O2));
     case 2:
-      return arrhenius(1.585e10, 202506, t) * power(at(CH4), 0.7) * power(at(O2), 0.8);
+      return constant * power(at(CH4), 0.7) * power(at(O2), 0.8);
     default: {
       // the published order of -0.1 would let the rate rise without bound as tar runs out
       const double tar = fmax2(at(TAR), 0.1);
-      return arrhenius(7.59e6, 125520, t) * power(tar, -0.1) * fmin2(1, at(TAR) / 0.1) * power(at(O2), 1.85);
+      return constant * power(tar, -0.1) * fmin2(1, at(TAR) / 0.1) * power(at(O2), 1.85);
     }
   }
 }
 
+}  // namespace
+
+double burning_rate(int r, const GasFractions& c, double t) noexcept { return rate_of(r, rate_constant(r, t), c); }
+
 namespace {
 
-/// Extent of reaction r over tau, per volume [mol/m3].
+/// Of the x where a falling rate(x) equals x, between 0 and high: rate(x) > x up to `low`, rate(x) < x from `high` on,
+/// with a margin of 1e-13, twenty times what rates are rounded by.
+struct Bracket {
+  double low, high;
+};
+template <class Rate>
+Bracket bracket(const Rate& rate, double now, double high) {
+  constexpr double close = 1e-13;
+  double a = 0, b = high, at_a = now, at_b = rate(high) - high;
+  if (at_b > 0) return {0, high};  // nothing known
+  for (int q = 0, side = 0; q < 40 && b - a > 2 * close * b; ++q) {
+    const double x = fmax2(a + close * b, fmin2((a * at_b - b * at_a) / (at_b - at_a), b - close * b));
+    const double y = rate(x) - x;
+    if (y > 0) {
+      a = x, at_a = y;
+      if (side == 1) at_b *= 0.5;  // the same side again: the other end counts half
+      side = 1;
+    } else {
+      b = x, at_b = y;
+      if (side == -1) at_a *= 0.5;
+      side = -1;
+    }
+  }
+  return {a - close * b, b + close * b};
+}
+
+/// Extent of reaction r over tau, per volume [mol/m3], by halving; a bracket spares most of the rates.
 double extent(int r, const GasFractions& c, double t, double tau) {
   double most = 1e300;
   for (int k = 0; k < k_gas_species; ++k)
     if (k_change[r][k] < 0) most = fmin2(most, c[static_cast<std::size_t>(k)] / -k_change[r][k]);
-  const double now = tau * burning_rate(r, c, t);
-  if (!(most > 0) || !(now > 0)) return 0;
-  double low = 0, high = fmin2(most, now);
-  for (int q = 0; q < 60 && high - low > 1e-14 * high; ++q) {
-    const double middle = 0.5 * (low + high);
+  if (!(most > 0)) return 0;
+  const double constant = rate_constant(r, t), now = tau * rate_of(r, constant, c);
+  if (!(now > 0)) return 0;
+  const auto rate = [&](double x) {
     GasFractions after = c;
     for (int k = 0; k < k_gas_species; ++k)
-      if (k_change[r][k] < 0) after[static_cast<std::size_t>(k)] += k_change[r][k] * middle;
-    (tau * burning_rate(r, after, t) > middle ? low : high) = middle;
+      if (k_change[r][k] < 0) after[static_cast<std::size_t>(k)] += k_change[r][k] * x;
+    return tau * rate_of(r, constant, after);
+  };
+  double low = 0, high = fmin2(most, now);
+  const Bracket known = bracket(rate, now, high);
+  for (int q = 0; q < 60 && high - low > 1e-14 * high; ++q) {
+    const double middle = 0.5 * (low + high);
+    const bool more = middle <= known.low || (middle < known.high && rate(middle) > middle);
+    (more ? low : high) = middle;
   }
   return low;
 }

@@ -41,6 +41,7 @@ class Conversion final : public Part, public GrainInside {
   std::vector<std::uint8_t> save() const override;
   void load(std::span<const std::uint8_t> bytes, const std::string& where) override;
   GrainSurface surface(Row i) const override;
+  bool condenses(const Rows& rows, Row i) const override;
 
   /// Output columns of the solver that particle files show.
   struct Shown {
@@ -84,7 +85,8 @@ class Conversion final : public Part, public GrainInside {
   void judge(const PartView& w) const;
   void finish(const PartView& w);
   void step_with_heat(const PartView& w);
-  std::vector<double> uptakes(const PartView& w, const GasCells& gas) const;
+  std::vector<GasUptake> uptakes(const PartView& w, const GasCells& gas) const;
+  double outermost(const Kind& kind, Row i) const;  ///< temperature of that shell [K]
   void give(const PartView& w, GasCells& gas);
   void swap();
 
@@ -100,6 +102,7 @@ class Conversion final : public Part, public GrainInside {
   Column<double> shown_[k_columns], shown_next_[k_columns];
   Column<double> surface_, surface_next_;  ///< GrainSurface
   std::vector<double> outside_;            ///< by row: surface temperature that others see, of the present step [K]
+  std::vector<double> condensed_;          ///< by row: steam that came in it [kg]
   std::vector<double> totals_, totals_before_;  ///< as k_books, then gases
   Totals come_;                                 ///< with grains, less what went with them
   const Clock* clock_ = nullptr;

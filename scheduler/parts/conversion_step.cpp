@@ -15,6 +15,10 @@ using namespace conversion;
 namespace {
 constexpr Row k_rows = 1024;           // per block
 constexpr double k_uptake_more = 1.1;  // film and size change within a step
+
+/// Clausius and Clapeyron's slope of a drying law: pressure of saturation ~ exp(-slope / T) [K].
+double slope_of(const BedMatter& m) { return m.evaporation * 0.018015 / 8.31446261815324; }
+double saturation(const BedMatter& m, double T) { return 101325 * det::exp(slope_of(m) / m.boiling - slope_of(m) / T); }
 }  // namespace
 
 /// Rows of one kind and what is around them, [column][row].
@@ -106,6 +110,24 @@ void Conversion::exchanged(const PartView& w, const Kind& kind, Row i, std::size
   b.at(k_in_oxygen, k) = gas.kept[0];
   b.at(k_in_carbon_dioxide, k) = gas.kept[1];
   b.at(k_in_steam, k) = kind.burns[2] ? gas.kept[2] : gas.steam;
+  const BedMatter& m = kind.tables->matter();
+  if (m.dries == 0) return;
+  const GasSteam steam = cells->steam(i);
+  if (!(steam.mass > 0)) return;
+  const double dew = 1 / (1 / outermost(kind, i) - det::log(steam.above) / slope_of(m));
+  b.at(k_in_condensing, k) = steam.mass;
+  b.at(k_in_dew, k) = fmin2(dew, m.boiling);
+  b.at(k_in_dew_heat, k) = steam.enthalpy + (m.evaporation - m.vapour_to_cells);
+}
+
+double Conversion::outermost(const Kind& kind, Row i) const {
+  const BedMatter& m = kind.tables->matter();
+  return row(now_, i)[bed_row(m).temperature + m.shells - 1];
+}
+
+bool Conversion::condenses(const Rows& rows, Row i) const {
+  const Kind* kind = kind_of(rows, i);
+  return kind != nullptr && kind->tables->matter().dries != 0;
 }
 
 /// What the solver says of a row: numbers for files, ledger, the sizes to come.
@@ -128,6 +150,7 @@ void Conversion::take(const Kind& kind, Row i, const double* out, std::size_t st
           GrainSurface{of(k_out_capacity), of(k_out_inner), of(k_out_conductivity), of(k_out_emissivity),
                        m.blows != 0 ? row(next_, i)[bed_row(m).carried] : 0.0});
   outside_[static_cast<std::size_t>(i)] = of(k_out_outside);
+  condensed_[static_cast<std::size_t>(i)] = of(k_out_condensed);
 }
 
 /// Heat must not take less time through a shell that still holds fuel than a step: bed_step.hpp. Grains shrink and
@@ -181,6 +204,7 @@ void Conversion::step_with_heat(const PartView& w) {
   auto* gas = part_as<GasCells>(w.parts);
   if (gas != nullptr) gas->offer(w, uptakes(w, *gas));
   outside_.assign(static_cast<std::size_t>(w.rows.n), 0.0);
+  condensed_ = outside_;
   w.blocks((w.rows.n + k_rows - 1) / k_rows,
            [&](int b) { advance(w, b * k_rows, std::min<Row>(w.rows.n, (b + 1) * k_rows)); });
   finish(w);
@@ -191,22 +215,30 @@ void Conversion::step_with_heat(const PartView& w) {
   if (gas != nullptr) give(w, *gas);
 }
 
-/// What char could take through the film if the gas were nothing but oxidant [kg/s]: an upper bound, as the solver
-/// computes film and density of gas.
-std::vector<double> Conversion::uptakes(const PartView& w, const GasCells& gas) const {
-  std::vector<double> most(static_cast<std::size_t>(w.rows.n), 0.0);
+/// What char could take through the film if the gas were nothing but oxidant: an upper bound, as the solver computes
+/// film and density of gas. Likewise steam, where it would condense on the outermost shell.
+std::vector<GasUptake> Conversion::uptakes(const PartView& w, const GasCells& gas) const {
+  std::vector<GasUptake> most(static_cast<std::size_t>(w.rows.n));
   w.blocks((w.rows.n + k_rows - 1) / k_rows, [&](int b) {
     for (Row i = b * k_rows; i < std::min<Row>(w.rows.n, (b + 1) * k_rows); ++i) {
       const auto at = static_cast<std::size_t>(i);
       const Kind* kind = w.rows.is_alive(i) ? kind_of(w.rows, i) : nullptr;
-      if (kind == nullptr || kind->job->matter.char_reactions.empty()) continue;
-      if (!(shown_[k_shown_char][at] > 0)) continue;  // no char yet
+      if (kind == nullptr) continue;
+      const BedMatter& m = kind->tables->matter();
+      const bool burns = !kind->job->matter.char_reactions.empty() && shown_[k_shown_char][at] > 0;
+      const double saturated = m.dries != 0 ? saturation(m, outermost(*kind, i)) : k_never;
+      const bool wets = m.dries != 0 && outermost(*kind, i) < m.boiling && gas.saturable(i) > saturated;
+      if (!burns && !wets) continue;
       const SurroundingsOverTime& a = kind->job->around;
       const GasNear g = gas.near(i);
       const double r = w.rows.p[4L * i + 3], surface = shown_[k_shown_surface][at];
       const Film f = film_of(a.gas, a.law, 2 * r, g.slip, g.temperature, surface, a.pressure);
       const double density = gas_density(0.5 * (g.temperature + surface), a.pressure, a.gas.molar);
-      most[at] = k_uptake_more * kind->shares * (f.mass * g.film / f.heat) * (4 * det::k_pi * (r * r)) * density;
+      const double through = (f.mass * g.film / f.heat) * (4 * det::k_pi * (r * r)) * density;
+      if (burns)
+        most[at].oxidant =
+            k_uptake_more * kind->shares * (f.mass * g.film / f.heat) * (4 * det::k_pi * (r * r)) * density;
+      if (wets) most[at].vapour = through, most[at].saturation = saturated;
     }
   });
   return most;
@@ -224,7 +256,8 @@ void Conversion::give(const PartView& w, GasCells& gas) {
     double energy = x[k_books_standard] - x[k_books_reaction] + x[k_books_with_gas];
     for (std::size_t k = 0; k < released.size(); ++k) energy += released[k] * formation_enthalpy(static_cast<int>(k));
     for (std::size_t k = 0; k < 3; ++k) energy -= taken[k] * formation_enthalpy(k_oxidants[k]);
-    gas.give(i, released, {taken[0], taken[1], taken[2]}, energy);
+    const double condensed = condensed_[static_cast<std::size_t>(i)];
+    gas.give(i, released, {taken[0], taken[1], taken[2] - condensed}, condensed, energy);
   }
   gas.settle();
 }

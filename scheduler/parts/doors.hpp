@@ -28,6 +28,20 @@ struct GasNear {
   std::array<double, 3> kept{};  ///< fractions of O2, CO2, H2O that last until the end of the step
 };
 
+/// What a grain could take of the gas around it, at most.
+struct GasUptake {
+  double oxidant = 0;     ///< by its char, of a gas that were nothing but oxidant [kg/s]
+  double vapour = 0;      ///< by its cold surface, of a gas that were nothing but steam [kg/s]; 0: nothing condenses
+  double saturation = 0;  ///< pressure of saturated steam at its surface [Pa]
+};
+
+/// Steam that would condense on a grain until the end of the step if its surface stayed as cold as it is.
+struct GasSteam {
+  double mass = 0;      ///< [kg]
+  double above = 1;     ///< pressure of what lasts over that of saturation
+  double enthalpy = 0;  ///< of the steam, above that of formation [J/kg]
+};
+
 /// Part "heat": what reaches the surfaces.
 class GrainHeat {
  public:
@@ -62,7 +76,8 @@ double thinned(double conductance, double carried);
 class GrainInside {
  public:
   virtual ~GrainInside() = default;
-  virtual GrainSurface surface(Row i) const = 0;  ///< of a row that has shells
+  virtual GrainSurface surface(Row i) const = 0;              ///< of a row that has shells
+  virtual bool condenses(const Rows& rows, Row i) const = 0;  ///< steam on it: its water has a vapour pressure
 };
 
 /// Part "gas".
@@ -73,12 +88,15 @@ class GasCells {
   virtual double heat(Row i) const = 0;
   virtual double conductance(Row i) const = 0;
   virtual GasNear near(Row i) const = 0;
-  /// What grains would take at most of a gas that were nothing but oxidant [kg/s], by row. From then on `kept` is what
-  /// remains in the cells at the end of the step if all of them do: no cell can run out.
-  virtual void offer(const PartView& w, const std::vector<double>& uptake) = 0;
-  /// What a grain has released, and taken of O2, CO2, H2O, in the step [kg]; the enthalpy of all this, those of
-  /// formation included [J]. Rows ascend; then settle.
-  virtual void give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double enthalpy) = 0;
+  /// By row. From then on `kept` is what remains in the cells at the end of the step if all grains take that: no cell
+  /// can run out, and none loses steam beyond what its coldest grain holds in balance.
+  virtual void offer(const PartView& w, const std::vector<GasUptake>& uptake) = 0;
+  virtual double saturable(Row i) const = 0;  ///< the largest partial pressure of steam in its cells [Pa]
+  virtual GasSteam steam(Row i) const = 0;    ///< after offer
+  /// What a grain has released, taken of O2, CO2, H2O by its char, and condensed in the step [kg]; the enthalpy of all
+  /// this, those of formation included [J]. Rows ascend; then settle.
+  virtual void give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double condensed,
+                    double enthalpy) = 0;
   virtual void settle() = 0;
 };
 

@@ -27,10 +27,6 @@ namespace {
 constexpr std::uint64_t k_force_seed = 130, k_gas_seed = 133;
 constexpr double k_most_drag = 0.5;  // of a step: drag * dt / mass
 
-/// Species that grains take: as GasNear::kept.
-constexpr std::size_t k_taken[3] = {static_cast<std::size_t>(GasSpecies::o2), static_cast<std::size_t>(GasSpecies::co2),
-                                    static_cast<std::size_t>(GasSpecies::h2o)};
-
 std::array<bool, 3> wrapped_axes(const Scene& s) {
   std::array<bool, 3> wraps{};
   for (int k = 0; k < 3; ++k)
@@ -148,8 +144,13 @@ class GasPart final : public Part, public GasCells {
   double heat(Row i) const override { return heat_[static_cast<std::size_t>(i)]; }
   double conductance(Row i) const override { return row_of<GasAtGrain>(around_, i).conductance; }
   GasNear near(Row i) const override;
-  void offer(const PartView& w, const std::vector<double>& uptake) override;
-  void give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double enthalpy) override;
+  void offer(const PartView& w, const std::vector<GasUptake>& uptake) override { matter_.offer(w.rows.n, uptake); }
+  double saturable(Row i) const override { return matter_.saturable(i); }
+  GasSteam steam(Row i) const override { return matter_.steam(i); }
+  void give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double condensed,
+            double enthalpy) override {
+    matter_.give(i, released, taken, condensed, enthalpy);
+  }
   void settle() override { gas_.settle(); }
 
   double work() const override { return work_.done; }
@@ -262,7 +263,7 @@ class GasPart final : public Part, public GasCells {
       set_row(force_, i, f);
       if (thermal_) take_heat(i);
     }
-    concerns_ = gas_concerns(gas_, scene_, from_);
+    concerns_ = gas_concerns(gas_, scene_, from_, wetted(w));
   }
 
   void check_drag(const PartView& w, Row i, double drag) const {
@@ -304,6 +305,16 @@ class GasPart final : public Part, public GasCells {
     heat_[q] = power;
   }
 
+  /// Cells whose steam condenses on some grain.
+  std::vector<char> wetted(const PartView& w) const {
+    std::vector<char> cells(static_cast<std::size_t>(gas_.grid().cells()), 0);
+    if (const auto* inside = part_as<GrainInside>(w.parts))
+      for (Row i = 0; i < w.rows.n; ++i)
+        if (w.rows.is_alive(i) && inside->condenses(w.rows, i))
+          shares_.each(i, [&](std::size_t c, double, double) { cells[c] = 1; });
+    return cells;
+  }
+
   Vec3 total_force(const PartView& w) const {
     Vec3 total;
     if (!gas_.started()) return total;
@@ -318,11 +329,11 @@ class GasPart final : public Part, public GasCells {
   gas::Gas gas_;
   gas::FromGrains from_;
   GasShares shares_;
+  GasMatter matter_{gas_, shares_, scene_.dt* static_cast<double>(scene_.gas.every)};
   const bool thermal_;
-  std::vector<std::array<double, 3>> kept_;  ///< by cell: see GasNear
-  Column<double> force_, next_;              ///< GasForce of this and the last gas step
-  Column<double> heat_;                      ///< [W]
-  Column<double> around_;                    ///< GasAtGrain
+  Column<double> force_, next_;  ///< GasForce of this and the last gas step
+  Column<double> heat_;          ///< [W]
+  Column<double> around_;        ///< GasAtGrain
   Work work_, work_before_;
   const Clock* clock_ = nullptr;      ///< of the run, known from the first gas step on
   std::int64_t gas_step_ = -1;        ///< step of the last gas step
@@ -336,48 +347,10 @@ GasNear GasPart::near(Row i) const {
   GasNear n{0, a.film, a.slip, 0, {}};
   shares_.each(i, [&](std::size_t c, double, double weight) {
     n.temperature += weight * f.temperature[c];
-    n.steam += weight * f.fractions[c][k_taken[2]];
-    for (std::size_t k = 0; k < 3 && !kept_.empty(); ++k) n.kept[k] += weight * kept_[c][k];
+    n.steam += weight * f.fractions[c][GasMatter::k_taken[2]];
+    matter_.add_kept(c, weight, n.kept);
   });
   return n;
-}
-
-/// A step of implicit Euler for what is taken alone: y' = -(sum of uptakes / mass) y.
-void GasPart::offer(const PartView& w, const std::vector<double>& uptake) {
-  const double dt = scene_.dt * static_cast<double>(scene_.gas.every);
-  std::vector<double> all(static_cast<std::size_t>(gas_.grid().cells()), 0.0);
-  for (Row i = 0; i < w.rows.n; ++i)
-    if (const double u = uptake[static_cast<std::size_t>(i)]; u > 0)
-      shares_.each(i, [&](std::size_t c, double, double weight) { all[c] += weight * u; });
-  kept_.resize(all.size());
-  for (std::size_t c = 0; c < all.size(); ++c)
-    for (std::size_t k = 0; k < 3; ++k)
-      kept_[c][k] = gas_.fields().fractions[c][k_taken[k]] / (1 + dt * all[c] / gas::sum(gas_.content().mass[c]));
-}
-
-/// What is taken comes from each cell as much as it keeps: no more than its share of what lasts; it leaves at the
-/// temperature of the cell, so that what is released brings the rest.
-void GasPart::give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double enthalpy) {
-  std::array<double, 3> seen{};
-  shares_.each(i, [&](std::size_t c, double, double weight) {
-    for (std::size_t k = 0; k < 3; ++k) seen[k] += weight * kept_[c][k];
-  });
-  const auto from = [&](std::size_t c, double weight, std::size_t k) {
-    return taken[k] > 0 ? taken[k] * (weight * kept_[c][k] / seen[k]) : 0;
-  };
-  const auto carried = [&](std::size_t c, double weight) {
-    GasFractions m{};
-    for (std::size_t k = 0; k < 3; ++k) m[k_taken[k]] = from(c, weight, k);
-    return gas::enthalpy(m, gas_.fields().temperature[c]);
-  };
-  double brought = enthalpy;
-  shares_.each(i, [&](std::size_t c, double, double weight) { brought += carried(c, weight); });
-  shares_.each(i, [&](std::size_t c, double, double weight) {
-    GasFractions m{};
-    for (std::size_t k = 0; k < m.size(); ++k) m[k] = weight * released[k];
-    for (std::size_t k = 0; k < 3; ++k) m[k_taken[k]] -= from(c, weight, k);
-    gas_.give(static_cast<int>(c), m, weight * brought - carried(c, weight));
-  });
 }
 
 }  // namespace

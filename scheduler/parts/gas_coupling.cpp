@@ -1,6 +1,8 @@
 // See gas_coupling.hpp.
 #include "scheduler/parts/gas_coupling.hpp"
 
+#include <algorithm>
+
 #include "core/base/det_math.hpp"
 #include "core/gas/drag.hpp"
 #include "core/gas/species.hpp"
@@ -124,6 +126,129 @@ GasAtGrain GasShares::around(const PartView& w, const GasSettings& s, const gas:
     a.slip += weight * slip;
   });
   return a;
+}
+
+/// A step of implicit Euler for what is taken alone: y' = -(sum of uptakes / mass) y.
+void GasMatter::offer(Row rows, const std::vector<GasUptake>& uptake) {
+  std::vector<double> all(static_cast<std::size_t>(gas_.grid().cells()), 0.0);
+  for (Row i = 0; i < rows; ++i)
+    if (const double u = uptake[static_cast<std::size_t>(i)].oxidant; u > 0)
+      shares_.each(i, [&](std::size_t c, double, double weight) { all[c] += weight * u; });
+  kept_.resize(all.size());
+  for (std::size_t c = 0; c < all.size(); ++c)
+    for (std::size_t k = 0; k < 3; ++k)
+      kept_[c][k] =
+          gas_.fields().fractions[c][k_taken[k]] / (1 + duration_ * all[c] / gas::sum(gas_.content().mass[c]));
+  offered_ = uptake;
+  keep_steam(rows, all);
+}
+
+/// Likewise where steam condenses: y' = -(sum of uptakes (y - balanced)+ / mass), from the coldest surface on.
+void GasMatter::keep_steam(Row rows, const std::vector<double>& oxidant) {
+  struct Sink {
+    std::size_t cell;
+    double balanced, rate;
+  };
+  std::vector<Sink> sinks;
+  for (Row i = 0; i < rows; ++i)
+    if (const GasUptake& u = offered_[static_cast<std::size_t>(i)]; u.vapour > 0)
+      shares_.each(i, [&](std::size_t c, double, double weight) {
+        const double at = balanced(c, u.saturation), mass = gas::sum(gas_.content().mass[c]);
+        if (at < 1) sinks.push_back({c, at, duration_ * weight * u.vapour / mass});
+      });
+  std::stable_sort(sinks.begin(), sinks.end(), [](const Sink& a, const Sink& b) {
+    return a.cell != b.cell ? a.cell < b.cell : a.balanced < b.balanced;
+  });
+  for (std::size_t k = 0; k < sinks.size();) {
+    const std::size_t c = sinks[k].cell;
+    double& kept = kept_[c][2];
+    double sum = gas_.fields().fractions[c][k_taken[2]];
+    double part = 1 + duration_ * oxidant[c] / gas::sum(gas_.content().mass[c]);
+    for (; k < sinks.size() && sinks[k].cell == c; ++k) {
+      if (!(sinks[k].balanced < kept)) continue;
+      sum += sinks[k].rate * sinks[k].balanced;
+      part += sinks[k].rate;
+      kept = sum / part;
+    }
+  }
+}
+
+double GasMatter::steam_pressure(std::size_t c) const {
+  return gas::steam_pressure(gas_.fields().fractions[c], gas_.fields().pressure[c]);
+}
+
+double GasMatter::balanced(std::size_t c, double saturation) const {
+  const double there = steam_pressure(c);
+  return there > saturation ? gas_.fields().fractions[c][k_taken[2]] * (saturation / there) : 2;
+}
+
+template <class Use>
+void GasMatter::each_condensing(Row i, const Use& use) const {
+  const auto at = static_cast<std::size_t>(i);
+  if (!(at < offered_.size() && offered_[at].vapour > 0)) return;
+  shares_.each(i, [&](std::size_t c, double, double weight) {
+    const double balance = balanced(c, offered_[at].saturation), kept = kept_[c][2];
+    if (kept > balance) use(c, duration_ * weight * offered_[at].vapour * (kept - balance), kept / balance);
+  });
+}
+
+double GasMatter::saturable(Row i) const {
+  double most = 0;
+  shares_.each(i, [&](std::size_t c, double, double) { most = fmax2(most, steam_pressure(c)); });
+  return most;
+}
+
+GasSteam GasMatter::steam(Row i) const {
+  constexpr int steam = static_cast<int>(k_taken[2]);
+  GasSteam s;
+  double heat = 0;
+  each_condensing(i, [&](std::size_t c, double mass, double above) {
+    s.mass += mass;
+    s.above = fmax2(s.above, above);
+    heat += mass * (gas::enthalpy(steam, gas_.fields().temperature[c]) - gas::enthalpy(steam, 298.15));
+  });
+  if (s.mass > 0) s.enthalpy = heat / s.mass;
+  return s;
+}
+
+/// From each cell its part of what would have condensed; it brings its enthalpy along.
+void GasMatter::take_condensed(Row i, double condensed, double& enthalpy) {
+  const double share = condensed / steam(i).mass;
+  each_condensing(i, [&](std::size_t c, double mass, double) {
+    GasFractions m{};
+    m[k_taken[2]] = share * mass;
+    const double h = gas::enthalpy(m, gas_.fields().temperature[c]);
+    m[k_taken[2]] = -m[k_taken[2]];
+    gas_.give(static_cast<int>(c), m, -h);
+    enthalpy += h;
+  });
+}
+
+/// What is taken comes from each cell as much as it keeps: no more than its share of what lasts; it leaves at the
+/// temperature of the cell, so that what is released brings the rest.
+void GasMatter::give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double condensed,
+                     double enthalpy) {
+  if (condensed > 0) take_condensed(i, condensed, enthalpy);
+  std::array<double, 3> seen{};
+  shares_.each(i, [&](std::size_t c, double, double weight) {
+    for (std::size_t k = 0; k < 3; ++k) seen[k] += weight * kept_[c][k];
+  });
+  const auto from = [&](std::size_t c, double weight, std::size_t k) {
+    return taken[k] > 0 ? taken[k] * (weight * kept_[c][k] / seen[k]) : 0;
+  };
+  const auto carried = [&](std::size_t c, double weight) {
+    GasFractions m{};
+    for (std::size_t k = 0; k < 3; ++k) m[k_taken[k]] = from(c, weight, k);
+    return gas::enthalpy(m, gas_.fields().temperature[c]);
+  };
+  double brought = enthalpy;
+  shares_.each(i, [&](std::size_t c, double, double weight) { brought += carried(c, weight); });
+  shares_.each(i, [&](std::size_t c, double, double weight) {
+    GasFractions m{};
+    for (std::size_t k = 0; k < m.size(); ++k) m[k] = weight * released[k];
+    for (std::size_t k = 0; k < 3; ++k) m[k_taken[k]] -= from(c, weight, k);
+    gas_.give(static_cast<int>(c), m, weight * brought - carried(c, weight));
+  });
 }
 
 GridData grid_data(const gas::Grid& grid, const gas::ToGrains& fields) {

@@ -2,11 +2,12 @@
 // calls it: scheduler/parts/gas.cpp. Invariant (I3): sums over grains run in row order, whatever the chunks.
 #pragma once
 
+#include <array>
 #include <cstring>
 #include <vector>
 
-#include "core/gas/exchange.hpp"
-#include "scheduler/part.hpp"
+#include "core/gas/gas.hpp"
+#include "scheduler/parts/doors.hpp"
 
 namespace talus {
 
@@ -67,6 +68,46 @@ class GasShares {
   std::vector<std::size_t> begin_;             ///< [rows + 1]
   std::vector<std::pair<int, double>> parts_;  ///< cell, volume of the grain in it [m3]
   std::vector<double> weight_;                 ///< of parts: own drag per volume / that of the cell's law [-]
+};
+
+/// What grains take from the gas and give to it: oxidants for their char, steam that condenses on them, gas that they
+/// release. Grains together take no more of a cell than there is, and no more steam than brings it to saturation at the
+/// coldest of them.
+class GasMatter {
+ public:
+  /// Species that grains take: as GasNear::kept.
+  static constexpr std::size_t k_taken[3] = {static_cast<std::size_t>(GasSpecies::o2),
+                                             static_cast<std::size_t>(GasSpecies::co2),
+                                             static_cast<std::size_t>(GasSpecies::h2o)};
+
+  /// `duration`: of a step [s]. Both references outlive it.
+  GasMatter(gas::Gas& gas, const GasShares& shares, double duration)
+      : gas_(gas), shares_(shares), duration_(duration) {}
+
+  void add_kept(std::size_t cell, double weight, std::array<double, 3>& to) const {
+    for (std::size_t k = 0; k < 3 && !kept_.empty(); ++k) to[k] += weight * kept_[cell][k];
+  }
+  // as in GasCells
+  void offer(Row rows, const std::vector<GasUptake>& uptake);
+  double saturable(Row i) const;
+  GasSteam steam(Row i) const;
+  void give(Row i, const GasFractions& released, const std::array<double, 3>& taken, double condensed, double enthalpy);
+
+ private:
+  double steam_pressure(std::size_t c) const;
+  /// Fraction of steam in cell c at which the surface of a grain is in balance with it; above 1: it is so dry.
+  double balanced(std::size_t c, double saturation) const;
+  void keep_steam(Row rows, const std::vector<double>& oxidant);
+  void take_condensed(Row i, double condensed, double& enthalpy);
+  /// Calls use(cell, mass, kept over balanced) for what would condense on row i: see GasSteam.
+  template <class Use>
+  void each_condensing(Row i, const Use& use) const;
+
+  gas::Gas& gas_;
+  const GasShares& shares_;
+  const double duration_;
+  std::vector<std::array<double, 3>> kept_;  ///< by cell: see GasNear
+  std::vector<GasUptake> offered_;           ///< by row
 };
 
 /// The gas as columns of a .vti file.

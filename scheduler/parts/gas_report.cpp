@@ -14,18 +14,18 @@ constexpr double k_pressure_change = 0.1;  // by which water boils 3 K off
 
 constexpr auto k_steam = static_cast<std::size_t>(GasSpecies::h2o);
 
-/// Where steam is farthest above saturation.
+/// Where steam is farthest above saturation: that of the gas, and that of its grains where none of them takes steam up.
 struct Wettest {
   double ratio = 0, gas = 0, grains = 0;  ///< partial pressure / that of saturation; temperatures [K], 0: no grains
   int cell = -1, cells = 0;               ///< cells: above saturation
 };
 
-Wettest wettest(const gas::Gas& gas, const gas::FromGrains& from) {
+Wettest wettest(const gas::Gas& gas, const gas::FromGrains& from, const std::vector<char>& wetted) {
   Wettest w;
   const gas::ToGrains& f = gas.fields();
   for (std::size_t c = 0; c < f.temperature.size(); ++c) {
     if (!(f.fractions[c][k_steam] > 0)) continue;
-    const double grains = from.conductance[c] > 0 ? from.heat[c] / from.conductance[c] : 0;
+    const double grains = from.conductance[c] > 0 && wetted[c] == 0 ? from.heat[c] / from.conductance[c] : 0;
     const double coldest = grains > 0 ? fmin2(grains, f.temperature[c]) : f.temperature[c];
     const double ratio = gas::steam_pressure(f.fractions[c], f.pressure[c]) / gas::saturation_pressure(coldest);
     w.cells += ratio > k_saturated;
@@ -93,17 +93,22 @@ std::vector<PartValue> gas_values(const gas::Gas& gas, const Scene& scene, int a
   if (scene.heat.on) {
     out.push_back({"gas.enthalpy", "J", b.stored_enthalpy});
     out.push_back({"gas.heat_from_grains", "J", b.passed.heat_grains});
+    out.push_back({"gas.enthalpy_in", "J", b.passed.enthalpy_in});
+    out.push_back({"gas.enthalpy_out", "J", b.passed.enthalpy_out});
   }
   if (scene.conversion.on) {
     out.push_back({"gas.mass_from_grains", "kg", gas::sum(b.passed.grains)});
     out.push_back({"gas.enthalpy_from_grains", "J", b.passed.enthalpy_grains});
+    for (std::size_t k = 0; k < k_gas_species; ++k)
+      out.push_back({"gas.out_" + std::string(gas::species(static_cast<int>(k)).name), "kg", b.passed.out[k]});
   }
   return out;
 }
 
-std::vector<PartConcern> gas_concerns(const gas::Gas& gas, const Scene& scene, const gas::FromGrains& from) {
+std::vector<PartConcern> gas_concerns(const gas::Gas& gas, const Scene& scene, const gas::FromGrains& from,
+                                      const std::vector<char>& wetted) {
   std::vector<PartConcern> all;
-  if (const Wettest w = wettest(gas, from); w.ratio > k_saturated) {
+  if (const Wettest w = wettest(gas, from, wetted); w.ratio > k_saturated) {
     const Vec3 x = gas.grid().middle(w.cell);
     all.push_back(
         {"saturation",

@@ -132,6 +132,31 @@ TEST(FurnaceBits, BooksCloseWhileGrainsComeShrinkAndGo) {
               1e-10 * std::fabs(value_of(sim, "conversion.heat_in")));
 }
 
+/// The same in warm and moist gas, its grains cold, so that steam condenses on them.
+Scene dewy() {
+  Scene s = furnace();
+  const std::string law = "[drying]\nlaw = \"equilibrium\"\n";
+  s.conversion.grain.assign(s.materials.size(), temporary_file("dew-wood.toml", k_wood + law));
+  s.gas.temperature = 365;
+  s.gas.fractions = {0.1, 0, 0, 0.3, 0, 0, 0, 0.6};
+  s.gas.inlets[0].temperature = 365;
+  s.gas.inlets[0].fractions = s.gas.fractions;
+  for (SourceHeat& h : s.heat.sources) h.temperature = 300;
+  return s;
+}
+
+TEST(CondensationBits, DependOnTheTrajectoryAlone) {
+  const Scene s = dewy();
+  const Variant plain{ListPolicy::local, 200, 1, 0, Isa::automatic};
+  Simulation first(plain.apply(s), plain.options());
+  first.run(k_run);
+  EXPECT_GT(value_of(first, "conversion.steam_taken"), 1e-6 * value_of(first, "conversion.mass"));
+  EXPECT_LT(std::fabs(value_of(first, "conversion.water_residual")), 1e-12 * value_of(first, "conversion.mass"));
+  expect_same_in_other_ways(s, k_run, final_of(first));
+}
+
+TEST(CondensationBits, ResumeGoesOnToTheBit) { expect_same_after_resume(dewy(), k_run, {733}); }
+
 TEST(FurnaceBits, NodesRunInTheOrderThatTheExchangeNeeds) {
   const Simulation sim(furnace(), RunOptions{});
   std::vector<std::string> order;

@@ -30,7 +30,12 @@ const Keys<GasSettings> k_gas(
             "change of the pressure, where no side is open to a given one), gas.pressure_drop [Pa] along the axis of "
             "the first inlet, "
             "gas.temperature_min and _max [K], gas.force_x, _y, _z on all grains [N], gas.iterations "
-            "of the flow in the last gas step",
+            "of the flow in the last gas step; beside [heat] gas.enthalpy (formation included), what of it has passed "
+            "sides "
+            "(gas.enthalpy_in, gas.enthalpy_out) and gas.heat_from_grains [J]; beside [conversion] "
+            "gas.mass_from_grains [kg], gas.enthalpy_from_grains [J] and what of each species has left through the "
+            "sides, "
+            "gas.out_O2 and so on [kg]",
             "[4, 4, 12]")
             .required(),
         key("every", &GasSettings::every, "-", {1, 1e9},
