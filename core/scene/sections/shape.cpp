@@ -180,7 +180,6 @@ void read(const SceneTable& root, Scene& scene) {
   if (!scene.output.regions.empty()) output.fail("region", refused);
   if (scene.tracer_rate >= 0) root.fail("tracer", refused);
   if (scene.heat.on) refuse_heat_of_bodies(root, scene);
-  if (scene.conversion.on) root.fail("conversion", refused);
   if (scene.gas.on) root.fail("gas", refused);
   if (makes_superquadrics(scene)) refuse_beside_superquadrics(root, scene);
 }
