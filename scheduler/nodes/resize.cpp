@@ -44,7 +44,10 @@ class Growth {
 
   /// A row that has grown (or shrunk), and was moved by it.
   void add_moved(Row i, double growth, double way) {
-    add(i, fmax2(growth, 0.0));
+    if (growth > 0)
+      add(i, growth);
+    else if (const double* ref = lists_.x0.data() + 4L * i; !lists_.skin.own_check())
+      expired_ = expired_ || !(moved2(i, ref) <= ref[3]);
     moved_ = fmax2(moved_, way);
   }
 

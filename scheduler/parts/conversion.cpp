@@ -359,6 +359,11 @@ std::vector<PartValue> Conversion::values(const PartView& w) const {
 
 std::vector<std::string> Conversion::advice(const PartView&) const {
   std::vector<std::string> lines;
+  for (std::size_t k = 0; k < shapes_.size(); ++k)
+    lines.push_back(
+        fmt::format("{}: a body of scale 1 that converts is {:.4g} spheres of radius {:.4g} m, three times its "
+                    "volume over its surface",
+                    rules_.scene.shapes[k].name, shapes_[k].number, shapes_[k].radius));
   if (!heated_) return lines;
   for (std::size_t k = 0; k < kinds_.size(); ++k)
     if (kinds_[k].job)

@@ -146,7 +146,7 @@ void refuse_beside_superquadrics(const SceneTable& root, const Scene& scene) {
   if (law_of(scene).adhesion != nullptr) contact.fail("model", "with adhesion cannot be had of superquadrics");
 }
 
-/// Bodies have one temperature each, contacts, films and an enclosure; what reaches from surface to surface knows
+/// Bodies have one temperature or shells, contacts, films and an enclosure; what reaches from surface to surface knows
 /// spheres alone.
 void refuse_heat_of_bodies(const SceneTable& root, const Scene& scene) {
   constexpr const char* refused = "cannot be had of bodies that are no spheres";
