@@ -3,15 +3,16 @@
 
 #include "core/base/det_math.hpp"
 #include "core/grains/body_shape.hpp"
-#include "scheduler/parts/heat_bodies.hpp"
+#include "core/shapes/surface_area.hpp"
 
 namespace talus {
 
 std::vector<EqualSpheres> equal_spheres(const Scene& scene) {
   std::vector<EqualSpheres> all;
-  const std::vector<double> areas = areas_of_shapes(scene);
-  for (std::size_t k = 0; k < areas.size(); ++k) {
-    const double area = areas[k], volume = scene.shapes[k].body->volume;
+  for (const ShapeSpec& s : scene.shapes) {
+    const BodyShape& body = *s.body;
+    const double area = body.quadric ? shapes::surface_area(body.quadric->surface) : shapes::surface_area(body.spheres),
+                 volume = body.volume;
     all.push_back({3 * volume / area, area * area * area / (36 * det::k_pi * (volume * volume))});
   }
   return all;

@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "scheduler/part.hpp"
+#include "core/scene/scene.hpp"
 
 namespace talus {
 
