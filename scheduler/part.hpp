@@ -61,7 +61,8 @@ struct PartNode {
   std::function<void(const PartView&, const Chunk&)> run;
 };
 
-/// Sizes of the rows [lo, hi) of a chunk at the end of a step; filled with those that they have.
+/// Sizes of the rows [lo, hi) of a chunk at the end of a step; filled with those that they have. The row that leads a
+/// body stands for all of it: its scale in place of a radius, its mass; nobody reads the others of it.
 struct RowSizes {
   Row lo, hi;
   double *radius, *mass;  ///< [m], [kg]; a radius of 0: the row leaves

@@ -11,6 +11,7 @@
 namespace talus {
 
 /// A third of the grains grows by `growth` in `steps` steps, a third shrinks by as much, the rest stays. Density stays.
+/// Bodies go by the row that leads them.
 class Breathing final : public Part {
  public:
   Breathing(double growth, std::int64_t steps, ParticleId leaves = -1)
@@ -38,6 +39,8 @@ inline void breathe(Simulation& sim, double growth, std::int64_t steps, Particle
   World& w = EngineAccess::world(sim);
   w.parts.all.push_back(std::make_unique<Breathing>(growth, steps, leaves));
   w.rows.resized = true;
+  w.rows.bodies.resized = w.rows.bodies.in;
+  w.rows.bodies.size2 = w.rows.bodies.size;
   if (!w.rules.has.energies) return;
   w.ledger.count_sizes(w.rows.columns);
   set_particle_capacity(w.rows, w.rows.n);

@@ -3,6 +3,7 @@
 // sizes; who reads it: the ledger. Formulae: the laws in kernels/models.
 #pragma once
 
+#include "scheduler/nodes/surface.hpp"
 #include "scheduler/state/contacts.hpp"
 #include "scheduler/state/ledger.hpp"
 
@@ -19,5 +20,9 @@ SizePush size_push(const Rules& rules, int pair, double ri, double rj, double di
 /// Behind the forces of the chunk's pairs, and behind those of its walls.
 void push_pairs(const Rules& rules, const Rows& rows, Ledger& ledger, const Chunk& c);
 void push_walls(const Rules& rules, const Rows& rows, const WallSet& walls, Ledger& ledger, const Chunk& c);
+
+/// Behind all forces of the chunk, ahead of its integration: the rows that lead bodies get the derivative by their
+/// scale [J], the others nothing. A sphere of a body moves with the scale, against the force on it.
+void push_bodies(const Rules& rules, const Rows& rows, Ledger& ledger, const Chunk& c);
 
 }  // namespace talus

@@ -48,6 +48,7 @@ Conversion::Conversion(const Rules& rules, const ConversionSettings& settings)
       cells_(rules.scene.gas.on) {
   if (heated_ && s_.every != rules.scene.heat.every)
     throw Error(ErrorCode::scene, "conversion.every must be heat.every", rules.scene.file, "the same number of steps");
+  if (rules.has.bodies) shapes_ = equal_spheres(rules.scene);
   kinds_.resize(s_.matter.size());
   for (std::size_t k = 0; k < s_.matter.size(); ++k)
     if (s_.matter[k]) add_kind(k);
@@ -116,10 +117,12 @@ void Conversion::check_surroundings(const Kind& kind, const std::string& materia
 /// its reactant at the rate of the step's start and come out too hot (bed_step.hpp).
 double Conversion::step_limit(const PartView& w) const {
   double most = k_never;
+  const double smallest =
+      shapes_.empty() ? w.rules.r_min : smallest_of_equal_spheres(w.rules.scene, shapes_, w.rules.r_min);
   for (const Kind& k : kinds_) {
     if (!k.job) continue;
     const BedMatter& m = k.tables->matter();
-    const double dx = w.rules.r_min * k.tables->thinnest_shell();
+    const double dx = smallest * k.tables->thinnest_shell();
     const int fuel = m.present[1] != 0 ? 1 : 0;  // moist matter where there is nothing else
     const double density = m.fuel_density > 0 ? m.fuel_density : m.moisture_density;
     if (density > 0) most = fmin2(most, dx * dx * density * m.capacity[fuel].first / m.conductivity[fuel].first);
@@ -189,21 +192,28 @@ void Conversion::appended(const Rows& rows, Row first, const NewParticles& a) {
     const Kind* kind = kind_of(rows, i);
     std::fill_n(row(now_, i), width_, 0.0);
     if (kind == nullptr) continue;
-    const double radius = rows.p[4L * i + 3];
+    const double radius = radius_of(rows, i), number = number_of(rows, i);
     double* own = row(now_, i);
     const double T =
         heated_ ? rules_.scene.heat.sources[static_cast<std::size_t>(a.source[k])].temperature : kind->job->temperature;
     kind->tables->begin(radius, T, own);
     own[kind->size + k_radius_from] = own[kind->size + k_radius_to] = radius;
     const BedTotals t = bed_totals(kind->job->matter, kind->tables->matter(), own);
-    own[kind->size + k_mass_from] = own[kind->size + k_mass_to] = t.mass;
+    own[kind->size + k_mass_from] = own[kind->size + k_mass_to] = number * t.mass;
+    check_mass(rows, i, number * t.mass);
     std::copy_n(own, width_, row(next_, i));
     const double shown[k_columns] = {t.mean, t.mean, t.mean, t.mass, t.moisture, t.fuel, t.char_mass, t.ash};
-    for (std::size_t q = 0; q < k_columns; ++q)
-      shown_[q][static_cast<std::size_t>(i)] = shown_next_[q][static_cast<std::size_t>(i)] = shown[q];
-    if (heated_)
-      for (Column<double>* c : {&surface_, &surface_next_}) set_row(*c, i, first_surface(*kind, own, radius, T));
-    add(come_, t, 1);
+    const Row end = rows.body_of(i) < 0 ? i + 1 : i + rows_of(rows, i);
+    for (Row at = i; at < end; ++at) {
+      for (std::size_t q = 0; q < k_columns; ++q) {
+        const double x = q < k_shown_masses ? shown[q] : (at == i ? number * shown[q] : 0.0);
+        shown_[q][static_cast<std::size_t>(at)] = shown_next_[q][static_cast<std::size_t>(at)] = x;
+      }
+      if (heated_)
+        for (Column<double>* c : {&surface_, &surface_next_})
+          set_row(*c, at, all_of(first_surface(*kind, own, radius, T), number));
+    }
+    add(come_, t, number);
   }
 }
 
@@ -221,11 +231,29 @@ GrainSurface Conversion::first_surface(const Kind& kind, const double* own, doub
   return s;
 }
 
+double Conversion::radius_of(const Rows& rows, Row i) const {
+  const std::int32_t b = rows.body_of(i);
+  if (b < 0) return rows.p[4L * i + 3];
+  return rows.bodies.scale(b) *
+         shapes_[static_cast<std::size_t>(rows.bodies.shape[static_cast<std::size_t>(b)])].radius;
+}
+
+/// A shape may say its own density or mass, which its shells would not have.
+void Conversion::check_mass(const Rows& rows, Row i, double mass) const {
+  const std::int32_t b = rows.body_of(i);
+  if (b < 0 || std::fabs(rows.bodies.mass(b) - mass) <= 1e-9 * mass) return;
+  const auto shape = static_cast<std::size_t>(rows.bodies.shape[static_cast<std::size_t>(b)]);
+  throw Error(ErrorCode::scene,
+              fmt::format("a body of shape '{}' has {:g} kg, the grain that describes its matter {:g} kg",
+                          rules_.scene.shapes[shape].name, rows.bodies.mass(b), mass),
+              rules_.scene.file, "no density and no mass in the [[shape]] of a body that converts");
+}
+
 GrainSurface Conversion::surface(Row i) const { return row_of<GrainSurface>(surface_, i); }
 
 void Conversion::removed(const Rows& rows, Row i) {
   if (const Kind* kind = kind_of(rows, i))
-    add(come_, bed_totals(kind->job->matter, kind->tables->matter(), row(now_, i)), -1);
+    add(come_, bed_totals(kind->job->matter, kind->tables->matter(), row(now_, i)), -number_of(rows, i));
 }
 
 void Conversion::take_back() {
@@ -242,7 +270,10 @@ void Conversion::sizes(const PartView& w, const Chunk&, const RowSizes& s) const
     if (kind == nullptr) continue;
     const double* own = row(now_, i) + kind->size;
     const double from = own[k_radius_from], to = own[k_radius_to], mass = own[k_mass_from], end = own[k_mass_to];
-    s.radius[i - s.lo] = share < 1 ? from + share * (to - from) : to;
+    const std::int32_t b = w.rows.body_of(i);  // of a body the scale
+    const double unit =
+        b < 0 ? 1 : shapes_[static_cast<std::size_t>(w.rows.bodies.shape[static_cast<std::size_t>(b)])].radius;
+    s.radius[i - s.lo] = (share < 1 ? from + share * (to - from) : to) / unit;
     s.mass[i - s.lo] = share < 1 ? mass + share * (end - mass) : end;
     const double first = row(now_, i)[bed_row(kind->tables->matter()).radius0];
     if (share == 1 && to < s_.gone_below * first) s.radius[i - s.lo] = 0;
@@ -285,7 +316,7 @@ std::vector<PartValue> Conversion::values(const PartView& w) const {
     BedTotals part;
     for (Row i = b; i < std::min<Row>(w.rows.n, b + k_rows); ++i)
       if (const Kind* kind = w.rows.is_alive(i) ? kind_of(w.rows, i) : nullptr)
-        add(part, bed_totals(kind->job->matter, kind->tables->matter(), row(now_, i)), 1);
+        add(part, bed_totals(kind->job->matter, kind->tables->matter(), row(now_, i)), number_of(w.rows, i));
     add(now, part, 1);
   }
   const auto book = [&](int column) {
@@ -328,6 +359,11 @@ std::vector<PartValue> Conversion::values(const PartView& w) const {
 
 std::vector<std::string> Conversion::advice(const PartView&) const {
   std::vector<std::string> lines;
+  for (std::size_t k = 0; k < shapes_.size(); ++k)
+    lines.push_back(
+        fmt::format("{}: a body of scale 1 that converts is {:.4g} spheres of radius {:.4g} m, three times its "
+                    "volume over its surface",
+                    rules_.scene.shapes[k].name, shapes_[k].number, shapes_[k].radius));
   if (!heated_) return lines;
   for (std::size_t k = 0; k < kinds_.size(); ++k)
     if (kinds_[k].job)

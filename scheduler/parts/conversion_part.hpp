@@ -9,6 +9,7 @@
 
 #include "kernels/conversion/grain_batch.hpp"
 #include "scheduler/parts/conversion.hpp"
+#include "scheduler/parts/conversion_bodies.hpp"
 #include "scheduler/parts/doors.hpp"
 
 namespace talus {
@@ -54,7 +55,7 @@ class Conversion final : public Part, public GrainInside {
   /// extents; then the gases, then the excess of its step.
   static constexpr std::size_t k_fixed_books = 13;
   static const int k_books[k_fixed_books];
-  enum ShownAt : std::size_t { k_shown_surface = 1, k_shown_char = 6 };  ///< places in k_shown
+  enum ShownAt : std::size_t { k_shown_surface = 1, k_shown_masses = 3, k_shown_char = 6 };  ///< places in k_shown
   static constexpr std::size_t k_books_reaction = 2, k_books_with_gas = 3, k_books_taken = 4, k_books_standard = 12;
 
  private:
@@ -67,10 +68,27 @@ class Conversion final : public Part, public GrainInside {
   double* row(Column<double>& c, Row i) const { return c.data() + static_cast<std::ptrdiff_t>(width_) * i; }
   const double* row(const Column<double>& c, Row i) const { return c.data() + static_cast<std::ptrdiff_t>(width_) * i; }
   double* book(Row i) { return books_.data() + static_cast<std::ptrdiff_t>(books_width_) * i; }
+  /// Of the grain that row i leads; null of the other rows of bodies.
   const Kind* kind_of(const Rows& rows, Row i) const {
+    if (!rows.leads(i)) return nullptr;
     const Kind& k = kinds_[rules_.has.materials ? rows.material[i] : 0];
     return k.job ? &k : nullptr;
   }
+  /// How many spheres the grain that row i leads counts as.
+  double number_of(const Rows& rows, Row i) const {
+    const std::int32_t b = rows.body_of(i);
+    return b < 0 ? 1.0 : shapes_[static_cast<std::size_t>(rows.bodies.shape[static_cast<std::size_t>(b)])].number;
+  }
+  Row rows_of(const Rows& rows, Row i) const {
+    return static_cast<Row>(shape_of(rules_, rows.bodies, rows.body_of(i)).spheres.size());
+  }
+  /// Of all of them, from that of one.
+  static GrainSurface all_of(GrainSurface s, double number) {
+    return {number * s.capacity, number * s.inner, s.conductivity, s.emissivity, number * s.carried};
+  }
+  double radius_of(const Rows& rows, Row i) const;  ///< of one of them, as the row is now [m]
+  void check_mass(const Rows& rows, Row i, double mass) const;
+  void share_with_rows(const PartView& w, Row i);
   static void add(Totals& to, const Totals& t, double sign);
   void add_kind(std::size_t k);
   void check_surroundings(const Kind& kind, const std::string& material) const;
@@ -81,7 +99,7 @@ class Conversion final : public Part, public GrainInside {
   void advance(const PartView& w, const Kind& kind, const std::vector<Row>& rows);
   void surroundings(const PartView& w, const Kind& kind, Batch& b) const;
   void exchanged(const PartView& w, const Kind& kind, Row i, std::size_t k, Batch& b) const;
-  void take(const Kind& kind, Row i, const double* out, std::size_t stride);
+  void take(const Kind& kind, double number, Row i, const double* out, std::size_t stride);
   void judge(const PartView& w) const;
   void finish(const PartView& w);
   void step_with_heat(const PartView& w);
@@ -96,6 +114,7 @@ class Conversion final : public Part, public GrainInside {
   const bool heated_;  ///< what reaches the surfaces is the part heat's
   const bool cells_;   ///< the gas around is that of the part gas
   std::vector<Kind> kinds_;
+  std::vector<EqualSpheres> shapes_;  ///< of bodies
   std::vector<std::string> gases_;
   int width_ = 0, books_width_ = 0;
   Column<double> now_, next_, books_;

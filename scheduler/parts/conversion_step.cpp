@@ -7,6 +7,7 @@
 #include "core/conversion/cell_gases.hpp"
 #include "scheduler/parts/conversion_part.hpp"
 #include "scheduler/parts/gas_coupling.hpp"
+#include "scheduler/parts/heat_bodies.hpp"
 #include "scheduler/state/step_failure.hpp"
 
 namespace talus {
@@ -70,7 +71,8 @@ void Conversion::advance(const PartView& w, const Kind& kind, const std::vector<
   b.pressure = kind.job->around.pressure;
   b.scratch = reinterpret_cast<double*>((reinterpret_cast<std::uintptr_t>(scratch.data()) + 63) / 64 * 64);
   solver_(m, b);
-  for (std::size_t k = 0; k < rows.size(); ++k) take(kind, rows[k], out.data() + k, in.stride);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    take(kind, number_of(w.rows, rows[k]), rows[k], out.data() + k, in.stride);
 }
 
 /// Those of the grain file at the middle of the step; beside heat, what heat and gas say.
@@ -90,14 +92,20 @@ void Conversion::surroundings(const PartView& w, const Kind& kind, Batch& b) con
   b.set(k_in_oxygen, a.oxygen.at(t));
   b.set(k_in_carbon_dioxide, a.carbon_dioxide.at(t));
   b.set(k_in_steam, a.steam.at(t));
-  if (!heated_) return;
+  if (!heated_) {
+    for (std::size_t k = 0; k < b.rows.size() && !shapes_.empty(); ++k)
+      for (const BedIn of_grain : {k_in_contact, k_in_contact_heat})
+        b.at(of_grain, k) = b.at(of_grain, k) / number_of(w.rows, b.rows[k]);
+    return;
+  }
   b.set(k_in_apart, 1);
   for (std::size_t k = 0; k < b.rows.size(); ++k) exchanged(w, kind, b.rows[k], k, b);
 }
 
 void Conversion::exchanged(const PartView& w, const Kind& kind, Row i, std::size_t k, Batch& b) const {
   const auto* heat = part_as<GrainHeat>(w.parts);
-  const double flow = heat->flow(i), conductance = heat->conductance(i);
+  const double number = number_of(w.rows, i), flow = heat->flow(i) / number,
+               conductance = heat->conductance(i) / number;
   b.at(k_in_flow, k) = flow;
   b.at(k_in_partner, k) = conductance;
   b.at(k_in_partner_heat, k) = flow + conductance * heat->before(i);
@@ -131,24 +139,26 @@ bool Conversion::condenses(const Rows& rows, Row i) const {
 }
 
 /// What the solver says of a row: numbers for files, ledger, the sizes to come.
-void Conversion::take(const Kind& kind, Row i, const double* out, std::size_t stride) {
+void Conversion::take(const Kind& kind, double number, Row i, const double* out, std::size_t stride) {
   const auto of = [&](int column) { return out[static_cast<std::size_t>(column) * stride]; };
-  for (std::size_t q = 0; q < k_columns; ++q) shown_next_[q][static_cast<std::size_t>(i)] = of(k_shown[q].column);
+  for (std::size_t q = 0; q < k_columns; ++q)
+    shown_next_[q][static_cast<std::size_t>(i)] = (q < k_shown_masses ? 1 : number) * of(k_shown[q].column);
   double* books = book(i);
-  for (std::size_t q = 0; q < k_fixed_books; ++q) books[q] = of(k_books[q]);
+  for (std::size_t q = 0; q < k_fixed_books; ++q) books[q] = number * of(k_books[q]);
   for (std::size_t g = 0; g < kind.gases.size(); ++g)
-    books[k_fixed_books + kind.gases[g]] = of(k_out_released + static_cast<int>(g));
+    books[k_fixed_books + kind.gases[g]] = number * of(k_out_released + static_cast<int>(g));
   books[books_width_ - 1] = of(k_out_excess);
   double* own = row(next_, i) + kind.size;
   own[k_radius_from] = own[k_radius_to];
   own[k_radius_to] = of(k_out_radius);
   own[k_mass_from] = own[k_mass_to];
-  own[k_mass_to] = of(k_out_mass);
+  own[k_mass_to] = number * of(k_out_mass);
   if (!heated_) return;
   const BedMatter& m = kind.tables->matter();
   set_row(surface_next_, i,
-          GrainSurface{of(k_out_capacity), of(k_out_inner), of(k_out_conductivity), of(k_out_emissivity),
-                       m.blows != 0 ? row(next_, i)[bed_row(m).carried] : 0.0});
+          all_of({of(k_out_capacity), of(k_out_inner), of(k_out_conductivity), of(k_out_emissivity),
+                  m.blows != 0 ? row(next_, i)[bed_row(m).carried] : 0.0},
+                 number));
   outside_[static_cast<std::size_t>(i)] = of(k_out_outside);
   condensed_[static_cast<std::size_t>(i)] = of(k_out_condensed);
 }
@@ -188,8 +198,20 @@ void Conversion::finish(const PartView& w) {
     for (std::size_t q = 0; q < sum.size(); ++q) totals_[q] = totals_[q] + sum[q];
   }
   swap();
+  if (w.rows.bodies.in)
+    for (Row i = 0; i < w.rows.n; ++i)
+      if (w.rows.is_alive(i) && w.rows.body_of(i) >= 0 && kind_of(w.rows, i) != nullptr) share_with_rows(w, i);
   clock_ = &w.clock;
   last_step_ = w.clock.step;
+}
+
+/// The rows of a body behind its first one show its temperatures and its surface; it holds all of its mass.
+void Conversion::share_with_rows(const PartView& w, Row i) {
+  for (Row k = i + 1; k < end_of_grain(w, i); ++k) {
+    for (std::size_t q = 0; q < k_shown_masses; ++q)
+      shown_[q][static_cast<std::size_t>(k)] = shown_[q][static_cast<std::size_t>(i)];
+    if (heated_) set_row(surface_, k, row_of<GrainSurface>(surface_, i));
+  }
 }
 
 void Conversion::swap() {
@@ -211,7 +233,7 @@ void Conversion::step_with_heat(const PartView& w) {
   auto* heat = part_as<GrainHeat>(w.parts);
   for (Row i = 0; i < w.rows.n; ++i)
     if (w.rows.is_alive(i) && kind_of(w.rows, i) != nullptr)
-      heat->set_surface(i, outside_[static_cast<std::size_t>(i)]);
+      for (Row k = i; k < end_of_grain(w, i); ++k) heat->set_surface(k, outside_[static_cast<std::size_t>(i)]);
   if (gas != nullptr) give(w, *gas);
 }
 

@@ -30,7 +30,7 @@ Vec3 get(const Column<double>& from, std::int32_t b) {
 
 }  // namespace
 
-Bodies::Bodies(const Rules& rules) : in(rules.has.bodies) {
+Bodies::Bodies(const Rules& rules) : in(rules.has.bodies), resized(in && changes_sizes(rules.scene)) {
   const auto info = [&](const char* name, const char* unit, int width, std::uint64_t seed) {
     ColumnInfo i;
     i.name = name;
@@ -43,7 +43,7 @@ Bodies::Bodies(const Rules& rules) : in(rules.has.bodies) {
     return i;
   };
   columns.add(info("body_shape", "", 1, k_seed), shape);
-  columns.add(info("body_size", "", 2, k_seed + 5), size);
+  columns.add(info("body_size", "", 2, k_seed + 5), size, resized ? &size2 : nullptr);
   columns.add(info("body_position", "m", 4, k_seed + 1), x, &x2);
   columns.add(info("body_velocity", "m/s", 4, k_seed + 2), v, &v2);
   columns.add(info("body_turn", "-", 4, k_seed + 3), turn, &turn2);
@@ -55,14 +55,15 @@ void Bodies::swap() noexcept {
   std::swap(v, v2);
   std::swap(turn, turn2);
   std::swap(spin, spin2);
+  if (resized) std::swap(size, size2);
 }
 
 const BodyShape& shape_of(const Rules& rules, const Bodies& bodies, std::int32_t b) {
   return *rules.scene.shapes[static_cast<std::size_t>(bodies.shape[static_cast<std::size_t>(b)])].body;
 }
 
-double inertia_scale(const Bodies& bodies, std::int32_t b) {
-  return bodies.mass(b) * (bodies.scale(b) * bodies.scale(b));
+double inertia_scale(const Bodies& bodies, std::int32_t b, bool second) {
+  return bodies.mass(b, second) * (bodies.scale(b, second) * bodies.scale(b, second));
 }
 
 void set_body_capacity(Bodies& bodies, std::int32_t n) {
@@ -202,8 +203,8 @@ void find_rows(Rows& rows) {
       bodies.first[static_cast<std::size_t>(b)] = i;
 }
 
-double rotation_energy(const Rules& rules, const Bodies& bodies, std::int32_t b, Vec3 l) {
-  const Vec3 inverse = (1 / inertia_scale(bodies, b)) * shape_of(rules, bodies, b).rotor.inverse;
+double rotation_energy(const Rules& rules, const Bodies& bodies, std::int32_t b, Vec3 l, bool second) {
+  const Vec3 inverse = (1 / inertia_scale(bodies, b, second)) * shape_of(rules, bodies, b).rotor.inverse;
   return 0.5 * ((l.x * l.x * inverse.x + l.y * l.y * inverse.y) + l.z * l.z * inverse.z);
 }
 
@@ -219,7 +220,8 @@ Vec3 momentum_in_space(const Rules& rules, const Bodies& bodies, std::int32_t b,
   const BodyState s = state_of(bodies, b, second);
   if (bodies.v[4L * b + 3] != 0) return shapes::to_space(shapes::rotation(s.turn), s.spin);
   const shapes::Rotation r = shapes::rotation(s.turn);
-  const Vec3 w = shapes::to_body(r, s.spin), moments = inertia_scale(bodies, b) * shape_of(rules, bodies, b).moments;
+  const Vec3 w = shapes::to_body(r, s.spin),
+             moments = inertia_scale(bodies, b, second) * shape_of(rules, bodies, b).moments;
   return shapes::to_space(r, {w.x * moments.x, w.y * moments.y, w.z * moments.z});
 }
 

@@ -21,27 +21,28 @@ struct Bodies {
   std::int32_t n = 0;
   Column<Row> first;           ///< row of its first sphere
   Column<std::int32_t> shape;  ///< index into scene.shapes
-  Column<double> size;         ///< {scale, mass [kg]}
+  Column<double> size, size2;  ///< {scale, mass [kg]}; the second buffer only where sizes change
   Column<double> x, x2;        ///< {centre of mass, radius of the sphere about it that holds all}
   Column<double> v, v2;        ///< {velocity at n-1/2, 1/m; 0: held}
   Column<double> turn, turn2;  ///< quaternion w, x, y, z from the principal axes to space
   /// {angular momentum in the principal axes at n-1/2 as they lie at n, 0}; of a held body its angular velocity in
   /// space
   Column<double> spin, spin2;
-  Columns columns;  ///< those above but `first`
-  bool in = false;  ///< the scene has bodies
+  Columns columns;       ///< those above but `first`
+  bool in = false;       ///< the scene has bodies
+  bool resized = false;  ///< their scales and masses change
 
   explicit Bodies(const Rules& rules);
   void swap() noexcept;  ///< second buffers change places
-  double scale(std::int32_t b) const { return size[2L * b]; }
-  double mass(std::int32_t b) const { return size[2L * b + 1]; }
+  double scale(std::int32_t b, bool second = false) const { return (second && resized ? size2 : size)[2L * b]; }
+  double mass(std::int32_t b, bool second = false) const { return (second && resized ? size2 : size)[2L * b + 1]; }
   Vec3 centre(std::int32_t b) const { return {x[4L * b], x[4L * b + 1], x[4L * b + 2]}; }
 };
 
 void set_body_capacity(Bodies& bodies, std::int32_t n);  ///< resizes all columns, keeps content
 const BodyShape& shape_of(const Rules& rules, const Bodies& bodies, std::int32_t b);
 /// Moments of inertia are this times shape.moments [kg].
-double inertia_scale(const Bodies& bodies, std::int32_t b);
+double inertia_scale(const Bodies& bodies, std::int32_t b, bool second = false);
 
 /// Motion of a body as numbers.
 struct BodyState {
@@ -70,7 +71,7 @@ void copy_bodies(const Rows& from, Rows& to);
 void find_rows(Rows& rows);
 
 /// Of the angular momentum l in the principal axes, and of the present motion [J].
-double rotation_energy(const Rules& rules, const Bodies& bodies, std::int32_t b, Vec3 l);
+double rotation_energy(const Rules& rules, const Bodies& bodies, std::int32_t b, Vec3 l, bool second = false);
 double rotation_energy(const Rules& rules, const Bodies& bodies, std::int32_t b);
 /// Angular momentum in space [kg m2/s].
 Vec3 momentum_in_space(const Rules& rules, const Bodies& bodies, std::int32_t b, bool second = false);

@@ -55,12 +55,37 @@ double size_ratio(const Rows& rows, Row i) {
 Vec3 old_spin(const Rules& rules, const Rows& rows, std::int32_t b) {
   const BodyState s = state_of(rows.bodies, b, true);
   if (rows.bodies.v[4L * b + 3] == 0) return s.spin;
-  return spin_of(shape_of(rules, rows.bodies, b), 1 / inertia_scale(rows.bodies, b), shapes::rotation(s.turn), s.spin);
+  return spin_of(shape_of(rules, rows.bodies, b), 1 / inertia_scale(rows.bodies, b, true), shapes::rotation(s.turn),
+                 s.spin);
+}
+
+/// The same of the body that row i leads: its scale changes, and with it place and radius of all its rows. The push is
+/// then by scale [J].
+std::array<double, 2> size_work_of_body(const Rules& rules, const Clock& clock, const Rows& rows, Ledger& ledger,
+                                        Row i) {
+  const auto at = static_cast<std::size_t>(i);
+  ledger.spare[at] = 0;
+  if (!rows.leads(i)) return {};
+  const Bodies& bodies = rows.bodies;
+  const std::int32_t b = rows.body_of(i);
+  const double push = 0.5 * ledger.push[at], settled = push * ledger.grown[at];
+  ledger.spare[at] = bodies.scale(b) - bodies.scale(b, true);
+  const auto [u, inverse_mass] = velocity_of(rows, i);
+  if (!rows.is_alive(i) || !(inverse_mass > 0)) return {settled, 0};
+  const Vec3 v{u[0], u[1], u[2]}, x = bodies.centre(b), before = state_of(bodies, b, true).x;
+  const double come = bodies.mass(b) - bodies.mass(b, true);
+  const double ahead =
+      push * ledger.spare[at] + 0.5 * come * norm2(v) +
+      (1 - inertia_scale(bodies, b, true) / inertia_scale(bodies, b)) * rotation_energy(rules, bodies, b);
+  const Vec3 along = gravity_along(rules, clock, false), pull = gravity_along(rules, clock, true);
+  const Vec3 middle = 0.5 * (before + x) + rules.scene.domain.lower;
+  return {settled, ahead - come * (dot(along, middle) + 0.5 * rules.scene.dt * dot(pull, v))};
 }
 
 /// What the changing size of row i brings in: on the way to n (place 0) what was not known before the contacts of n; on
 /// that to n + 1 the share of those contacts, and the energy of the mass that comes, at the velocity between.
 std::array<double, 2> size_work(const Rules& rules, const Clock& clock, const Rows& rows, Ledger& ledger, Row i) {
+  if (rows.body_of(i) >= 0) return size_work_of_body(rules, clock, rows, ledger, i);
   const auto at = static_cast<std::size_t>(i);
   const double *x = rows.p2.data() + 4L * i, *next = rows.p.data() + 4L * i;
   const double push = 0.5 * ledger.push[at], settled = push * ledger.grown[at];
@@ -106,7 +131,7 @@ StepWork work_of_rows(const Rules& rules, const Rows& rows, const Ledger& ledger
       if (const std::int32_t body = rows.body_of(i); body >= 0)  // w_old (L_old + L) / 2, over 0.4 m as below
         rot = dot(old_spin(rules, rows, body), 0.5 * (momentum_in_space(rules, rows.bodies, body, true) +
                                                       momentum_in_space(rules, rows.bodies, body))) /
-              (0.4 * rows.bodies.mass(body));
+              (0.4 * rows.bodies.mass(body, true));
       else if (rules.has.rotation)
         for (int k = 4; k < 7; ++k) rot += u[k] * (0.5 * (u[k] + size_ratio(rows, i) * v[k]));
       if (inverse_mass > 0) part[3] += rules.scene.viscous_damping * rules.scene.dt * mass(i) * (q + 0.4 * rot);
@@ -139,7 +164,10 @@ double mean_rotation(const Rules& rules, const Rows& rows, std::int32_t b, bool 
   const BodyState then = state_of(bodies, b, true);
   const Vec3 before = momentum_in_space(rules, bodies, b, true),
              after = given ? before : momentum_in_space(rules, bodies, b);
-  return rotation_energy(rules, bodies, b, shapes::to_body(shapes::rotation(then.turn), 0.5 * (before + after)));
+  // in a step whose sizes change the spin stays, not the momentum
+  const double size = bodies.resized ? inertia_scale(bodies, b, true) / inertia_scale(bodies, b) : 1;
+  return rotation_energy(rules, bodies, b, shapes::to_body(shapes::rotation(then.turn), 0.5 * (before + size * after)),
+                         true);
 }
 
 }  // namespace

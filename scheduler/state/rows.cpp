@@ -63,7 +63,10 @@ double mass_of(const Rules& rules, const Rows& rows, Row i) {
   if (const std::int32_t b = rows.body_of(i); b >= 0) return rows.leads(i) ? rows.bodies.mass(b) : 0;
   return mass_from(rules, rows, rows.v, rows.p, i);
 }
-double old_mass_of(const Rules& rules, const Rows& rows, Row i) { return mass_from(rules, rows, rows.v2, rows.p2, i); }
+double old_mass_of(const Rules& rules, const Rows& rows, Row i) {
+  if (const std::int32_t b = rows.body_of(i); b >= 0) return rows.leads(i) ? rows.bodies.mass(b, true) : 0;
+  return mass_from(rules, rows, rows.v2, rows.p2, i);
+}
 
 Vec3 gravity_along(const Rules& rules, const Clock& clock, bool periodic) {
   Vec3 g = clock.gravity;

@@ -90,6 +90,7 @@ void run_walls(World& w, Chunk& c) {
 }
 
 void run_integrate(World& w, Chunk& c) {
+  if (w.rows.bodies.in && !w.ledger.push.empty()) push_bodies(w.rules, w.rows, w.ledger, c);
   integrate_chunk(w.rules, w.clock, w.rows, w.lists, w.ledger.rows, c);
   const ChunkResults& r = c.result;
   if (r.expired != 0) w.lists.any_expired.store(true, std::memory_order_relaxed);

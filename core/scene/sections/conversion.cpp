@@ -22,11 +22,20 @@ const Keys<ConversionScene> k_conversion(
             "100")
             .with(k_wood)
             .acts(),
-        key("shells", &ConversionScene::shells, "-", {1, 32}, "shells of a grain", "20").with(k_wood),
-        key("gone_below", &ConversionScene::gone_below, "-", {0, 1},
-            "grains leave below this share of their first radius; their ash is counted; 0: never", "0.3")
+        key("shells", &ConversionScene::shells, "-", {1, 32},
+            "shells of a grain; of a body that is no sphere those of equal spheres of radius 3 V/A, as many as have "
+            "its "
+            "volume",
+            "20")
             .with(k_wood),
-        key("resize", &ConversionScene::resize, "radius and mass of the grains follow", "true").with(k_wood),
+        key("gone_below", &ConversionScene::gone_below, "-", {0, 1},
+            "grains leave below this share of their first radius, bodies of their first scale; their ash is counted; "
+            "0: "
+            "never",
+            "0.3")
+            .with(k_wood),
+        key("resize", &ConversionScene::resize, "radius and mass of the grains follow, of bodies their scale", "true")
+            .with(k_wood),
     });
 
 struct MaterialGrain {

@@ -146,7 +146,7 @@ void refuse_beside_superquadrics(const SceneTable& root, const Scene& scene) {
   if (law_of(scene).adhesion != nullptr) contact.fail("model", "with adhesion cannot be had of superquadrics");
 }
 
-/// Bodies have one temperature each, contacts, films and an enclosure; what reaches from surface to surface knows
+/// Bodies have one temperature or shells, contacts, films and an enclosure; what reaches from surface to surface knows
 /// spheres alone.
 void refuse_heat_of_bodies(const SceneTable& root, const Scene& scene) {
   constexpr const char* refused = "cannot be had of bodies that are no spheres";
@@ -180,7 +180,6 @@ void read(const SceneTable& root, Scene& scene) {
   if (!scene.output.regions.empty()) output.fail("region", refused);
   if (scene.tracer_rate >= 0) root.fail("tracer", refused);
   if (scene.heat.on) refuse_heat_of_bodies(root, scene);
-  if (scene.conversion.on) root.fail("conversion", refused);
   if (scene.gas.on) root.fail("gas", refused);
   if (makes_superquadrics(scene)) refuse_beside_superquadrics(root, scene);
 }
