@@ -66,9 +66,9 @@ double share_in_bar(double R, double low, double high, double off, double r) noe
     end[n++] = std::clamp(-a, from, to);
     end[n++] = std::clamp(a, from, to);
   }
-  std::sort(end.begin(), end.begin() + static_cast<std::ptrdiff_t>(n));
+  std::sort(end.begin(), end.end());
   double volume = 0;
-  for (std::size_t k = 0; k + 1 < n; ++k) {
+  for (std::size_t k = 0; k + 1 < end.size(); ++k) {
     const double middle = 0.5 * (end[k] + end[k + 1]), half = 0.5 * (end[k + 1] - end[k]);
     if (!(half > 0)) continue;
     for (std::size_t q = 0; q < k_points; ++q) {
