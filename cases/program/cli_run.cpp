@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 
 #include "cases/program/cli.hpp"
@@ -62,6 +63,7 @@ void print_closing(const Options& options, const std::string& folder, const Summ
   line("checkpoint", outcome.checkpoint);
   if (!outputs.paraview_file().empty()) {
     line("particles", outputs.paraview_file());
+    if (const std::string bodies = folder + "/bodies.pvd"; std::filesystem::exists(bodies)) line("bodies", bodies);
     const bool hdf = outputs.paraview_file().ends_with(".vtkhdf");
     put("Look at them:   paraview {}{}\n", shown_path(outputs.paraview_file()),
         hdf ? "    (ParaView 5.12 or newer; output.vtp = true for older ones)" : "");
@@ -123,7 +125,8 @@ int run(const Options& options) {
   }
   const std::int64_t first = simulation->step();
   if (!options.quiet && !start.checkpoint)
-    for (const std::string& note : forgotten_keys(start.scene, options.steps.has_value())) tell("talus: note: {}\n", note);
+    for (const std::string& note : forgotten_keys(start.scene, options.steps.has_value()))
+      tell("talus: note: {}\n", note);
 
   // From here on the scene is known to be good: only now may something appear on disk.
   const RunFolder folder = open_folder(options, start);

@@ -49,10 +49,11 @@ std::size_t tiles_of(const Source& s) {
 }  // namespace
 
 void Population::add(int material, bool fixed, double smallest, double largest, std::int64_t count, double weight,
-                     double thinnest) {
+                     double thinnest, double whole) {
   if (count <= 0) return;
   auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const GrainKind& k) {
-    return k.material == material && k.fixed == fixed && k.weight == weight && k.thinnest == thinnest;
+    return k.material == material && k.fixed == fixed && k.weight == weight && k.thinnest == thinnest &&
+           k.whole == whole;
   });
   if (kind == kinds.end()) {
     kinds.emplace_back();
@@ -61,6 +62,7 @@ void Population::add(int material, bool fixed, double smallest, double largest, 
     kind->fixed = fixed;
     kind->weight = weight;
     kind->thinnest = thinnest;
+    kind->whole = whole;
   }
   for (int k = 0; k < (count > 1 ? 2 : 1); ++k) {
     keep_two_smallest(kind->smallest, smallest);
@@ -132,6 +134,7 @@ const BodyShape* body_of(const Scene& scene, const Source& s) {
 double weight_of(const BodyShape& c, const Material& m) {
   return c.mass(m, 1) / (c.lightness * Body{c.roundest, m.density}.mass());
 }
+double whole_of(const BodyShape& c, const Material& m) { return c.mass(m, 1) / Body{c.roundest, m.density}.mass(); }
 
 /// Farthest point of a grain from the axis that it spins about, where spins move anything [m].
 double farthest(const Scene& scene, double largest, double of_files) {
@@ -184,7 +187,8 @@ Population Insertion::population() const {
                    smallest = 0.5 * source.size.smallest() * share, largest = 0.5 * source.size.largest() * share;
       if (c != nullptr) {
         const Material& m = scene_.materials[static_cast<std::size_t>(source.material)];
-        p.add(source.material, false, smallest, largest, most_of(source), weight_of(*c, m), c->smallest / c->roundest);
+        p.add(source.material, false, smallest, largest, most_of(source), weight_of(*c, m), c->smallest / c->roundest,
+              whole_of(*c, m));
       } else {
         p.add(source.material, false, smallest, largest, most_of(source));
       }
@@ -205,7 +209,8 @@ Population Insertion::population() const {
         const BodyShape& c = shape_of(*body);
         const double r = body->scale * c.roundest;
         p.add(f.material[i], f.fixed[i] != 0 && !may_release, r, r, tiles,
-              weight_of(c, scene_.materials[f.material[i]]), c.smallest / c.roundest);
+              weight_of(c, scene_.materials[f.material[i]]), c.smallest / c.roundest,
+              whole_of(c, scene_.materials[f.material[i]]));
         p.reach = fmax2(p.reach, body->scale * c.bound);
         if (scene_.relax.steps == 0) {
           p.add_velocity(body->v, body->v, body->scale * c.bound * norm(body->w));

@@ -21,6 +21,7 @@ struct GrainKind {
   /// Of bodies, of which the radii are those of the roundest contacts: what answers a force on one over the mass of
   /// such a sphere; the smallest radius over that one.
   double weight = 1, thinnest = 1;
+  double whole = 1;  ///< its whole mass over that of such a sphere
 };
 inline constexpr std::int64_t k_many_grains = 1000;
 
@@ -38,7 +39,7 @@ class Population {
  public:
   /// `count` grains of radius smallest to largest [m], with any radius in between.
   void add(int material, bool fixed, double smallest, double largest, std::int64_t count, double weight = 1,
-           double thinnest = 1);
+           double thinnest = 1, double whole = 1);
   void add_velocity(Vec3 low, Vec3 high, double surface = 0);  ///< range per axis, of the surface by spin [m/s]
   double reach = 0;  ///< from the centre of a body of a file to its farthest point, at most [m]
   std::vector<GrainKind> kinds;

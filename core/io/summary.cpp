@@ -184,6 +184,7 @@ std::string summary_json(const Summary& s) {
   add_counts(o, s);
   add_means(o, s);
   o.add("kinetic_energy", s.kinetic_energy);
+  o.add("kinetic_rotation", s.kinetic_rotation);
   o.add("potential_energy", s.potential_energy);
   o.add("elastic_energy", s.elastic_energy);
   o.add("dissipated_energy", s.dissipated_energy);

@@ -67,7 +67,8 @@ struct Summary {
   std::string policy, law, isa;
   int threads = 0, chunk = 0;
   std::uint64_t seed = 0;
-  std::optional<double> kinetic_energy, potential_energy, elastic_energy, dissipated_energy;  ///< [J]
+  std::optional<double> kinetic_energy, kinetic_rotation;  ///< of translation; of rotation [J]
+  std::optional<double> potential_energy, elastic_energy, dissipated_energy;  ///< [J]
   std::vector<Alert> warnings;
   std::vector<std::pair<std::string, MeshReport>> meshes;  ///< of every mesh wall: its name, what was found
   std::uint64_t state_hash = 0;

@@ -68,10 +68,14 @@ double rayleigh_time(const Material& m, double r) {
 }
 
 std::string describe(const Scene& scene, const ContactCase& c) {
-  const std::string& b = scene.materials[static_cast<std::size_t>(c.b)].name;
-  const std::string first = fmt::format("{} (r = {:g})", scene.materials[static_cast<std::size_t>(c.a)].name, c.r_a);
-  if (c.wall()) return first + " on wall " + b;
-  return fmt::format("{} - {}{} (r = {:g})", first, c.fixed_b ? "fixed " : "", b, c.r_b);
+  const auto name = [&](int material) { return scene.materials[static_cast<std::size_t>(material)].name; };
+  const auto grain = [&](int material, double r, double weight) {
+    return weight == 1 ? fmt::format("{} (r = {:g})", name(material), r)
+                       : fmt::format("{} (body, radius of curvature {:g})", name(material), r);
+  };
+  const std::string first = grain(c.a, c.r_a, c.weight_a);
+  if (c.wall()) return first + " on wall " + name(c.b);
+  return fmt::format("{} - {}{}", first, c.fixed_b ? "fixed " : "", grain(c.b, c.r_b, c.weight_b));
 }
 
 ContactDynamics dynamics_of(const Scene& scene, const ContactCase& c, double speed, double pressure) {

@@ -304,12 +304,15 @@ Softening softening(const Scene& scene, const Population& grains, double speed) 
   for (const GrainKind& kind : grains.kinds) {
     if (kind.fixed) continue;
     const Material& material = scene.materials[static_cast<std::size_t>(kind.material)];
-    const double r = kind.largest[0], m = Body{r, material.density}.mass();
-    const double load = bed_pressure(scene, material.density) * (4 * r * r);
+    // of bodies r is that of the roundest contact: what is as heavy is smaller, and overlaps count by the thinnest
+    // place
+    const double r = kind.largest[0], m = kind.whole * Body{r, material.density}.mass();
+    const double wide = r * det::pow(kind.whole, 1.0 / 3.0);
+    const double load = bed_pressure(scene, material.density) * (4 * wide * wide);
     s.load = fmax2(s.load, load);
     const Overlaps o = law.overlaps(scene, material, r, m, s.speed, load);
-    impact = fmax2(impact, o.impact);
-    pressed = fmax2(pressed, o.pressed);
+    impact = fmax2(impact, o.impact / kind.thinnest);
+    pressed = fmax2(pressed, o.pressed / kind.thinnest);
   }
   // the contact time goes as the overlap of an impact
   s.factor = fmax2(det::pow(impact / target, 1 / law.impact_power), det::pow(pressed / target, 1 / law.load_power));

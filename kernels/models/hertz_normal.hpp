@@ -104,7 +104,12 @@ struct HertzNormal {
   TALUS_INLINE B at_touch(B first, B other) const {
     return S::select(brief, S::select(S::lt(vn, zero), first, other), other);
   }
-  TALUS_INLINE auto parts() const { return S::lt(delta, S::select(S::gt(vn, zero), step, zero)); }
+  /// Parts before the next step; an adhesive neck holds down to three units below the touch.
+  TALUS_INLINE auto parts() const {
+    B left = delta;
+    if constexpr (Form::adhesive) left = delta + S::set(3.0) * jkr.unit;
+    return S::lt(left, S::select(S::gt(vn, zero), step, zero));
+  }
 
   /// Force, and the velocity that the next step is told.
   TALUS_INLINE void damp() {

@@ -1,6 +1,7 @@
 // See check.hpp.
 #include "scheduler/nodes/check.hpp"
 
+#include "core/walls/wall_motion.hpp"
 #include "scheduler/nodes/events.hpp"
 #include "scheduler/state/step_failure.hpp"
 
@@ -8,24 +9,39 @@ namespace talus {
 
 namespace {
 
-[[noreturn]] void fail_deep(const Rules& rules, std::vector<ParticleId> ids, const std::string& who) {
-  throw StepFailure(
-      std::move(ids),
-      who + " overlap by more than " + std::to_string(rules.scene.max_overlap) + " of the smaller radius",
-      "stiffer contacts, a smaller time step, relax.steps for an overlapping start, or a larger checks.max_overlap");
+[[noreturn]] void fail_deep(const Rules& rules, std::vector<ParticleId> ids, const std::string& who,
+                            const std::string& cure) {
+  throw StepFailure(std::move(ids),
+                    who + " overlap by more than " + std::to_string(rules.scene.max_overlap) + " of the smaller radius",
+                    cure);
 }
 
-void report_chunk(const Rules& rules, const Rows& rows, const Contacts& contacts, const WallSet& walls,
-                  const Chunk& c) {
+const char* const k_stiffer =
+    "stiffer contacts, a smaller time step, relax.steps for an overlapping start, or a larger checks.max_overlap";
+
+/// A wall that has appeared in the last steps.
+bool just_appeared(const Rules& rules, const Clock& clock, int wall) {
+  const auto& walls = rules.scene.walls;
+  if (static_cast<std::size_t>(wall) >= walls.size()) return false;  // a side of the domain
+  const WallSpec& w = walls[static_cast<std::size_t>(wall)];
+  return w.appear > 0 && !acts_at(w, clock.step - 2, rules.scene.dt);
+}
+
+void report_chunk(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts,
+                  const WallSet& walls, const Chunk& c) {
   const ChunkResults& r = c.result;
   if (r.deep_slot >= 0) {
     const ParticleId i = rows.id[r.deep_rows[0]], j = rows.id[r.deep_rows[1]];
-    fail_deep(rules, {i, j}, "particles " + std::to_string(i) + " and " + std::to_string(j));
+    fail_deep(rules, {i, j}, "particles " + std::to_string(i) + " and " + std::to_string(j), k_stiffer);
   }
   if (r.deep_wall >= 0) {
     const WallState& t = c.wall.state[static_cast<std::size_t>(r.deep_wall)];
     const ParticleId i = rows.id[t.row];
-    fail_deep(rules, {i}, "particle " + std::to_string(i) + " and wall '" + walls.name(t.contact.wall) + "'");
+    const bool young = just_appeared(rules, clock, t.contact.wall);
+    fail_deep(rules, {i},
+              "particle " + std::to_string(i) + " and wall '" + walls.name(t.contact.wall) + "'" +
+                  (young ? ", which has just appeared where grains are," : ""),
+              young ? "a place without grains, or a wall.appear when they lie out of its way" : k_stiffer);
   }
   if (r.unstable_row >= 0) {
     const ParticleId i = rows.id[r.unstable_row];
@@ -57,8 +73,9 @@ void check_exit(const Rules& rules, const Rows& rows, Row i) {
 
 }  // namespace
 
-void report_failures(const Rules& rules, const Rows& rows, const Contacts& contacts, const WallSet& walls) {
-  for (const auto& c : contacts.chunks) report_chunk(rules, rows, contacts, walls, *c);
+void report_failures(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts,
+                     const WallSet& walls) {
+  for (const auto& c : contacts.chunks) report_chunk(rules, clock, rows, contacts, walls, *c);
 }
 
 void remove_leavers(const Rules& rules, const Clock& clock, Rows& rows, Contacts& contacts, Lists& lists,

@@ -13,7 +13,8 @@ namespace talus {
 struct Parts;
 
 /// StepFailure: overlaps too deep, unstable rows, rows that are no number.
-void report_failures(const Rules& rules, const Rows& rows, const Contacts& contacts, const WallSet& walls);
+void report_failures(const Rules& rules, const Clock& clock, const Rows& rows, const Contacts& contacts,
+                     const WallSet& walls);
 /// Rows that have left through open sides. StepFailure: through a closed one.
 void remove_leavers(const Rules& rules, const Clock& clock, Rows& rows, Contacts& contacts, Lists& lists,
                     Ledger& ledger, Counters& counters, Parts& parts);

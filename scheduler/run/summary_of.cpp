@@ -81,7 +81,7 @@ Summary summary_of(const Simulation& simulation, const RunFacts& facts) {
   s.kinetic_energy = simulation.kinetic_energy();
   if (scene.output.energies) {
     const Energies e = simulation.energies();
-    s.kinetic_energy = e.kinetic_translation + e.kinetic_rotation;
+    s.kinetic_rotation = e.kinetic_rotation;
     s.potential_energy = e.potential;
     s.elastic_energy = e.elastic;
     s.dissipated_energy = e.dissipated_damping + e.dissipated_friction + e.dissipated_background;

@@ -28,7 +28,7 @@ bool balance_due(const World& w) {
 
 void check_results(World& w) {
   if (!w.contacts.news.load(std::memory_order_relaxed)) return;
-  report_failures(w.rules, w.rows, w.contacts, w.walls);
+  report_failures(w.rules, w.clock, w.rows, w.contacts, w.walls);
   if (balance_due(w)) {
     const Energies e = energies_of(w);
     judge_step(w.rules, w.clock, w.contacts, w.walls, w.monitor, &e);

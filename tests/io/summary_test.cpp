@@ -84,6 +84,7 @@ TEST(Summary, HasTheDocumentedFields) {
                           "seed",
                           "version",
                           "kinetic_energy",
+                          "kinetic_rotation",
                           "potential_energy",
                           "elastic_energy",
                           "dissipated_energy",

@@ -147,6 +147,30 @@ TEST(Superquadric, EllipsoidLeavesAPlaneAsItsImpulseSays) {
   }
 }
 
+// A pill that falls upright on the floor: v sqrt(m/k) over the radius of the sphere within it.
+TEST(Superquadric, AdviceExpectsTheOverlapThatAnImpactMakes) {
+  Words w;
+  w.boundary = "\"wall\"";
+  w.law = "friction = 0\nnormal_stiffness = 2000";
+  w.restitution = "1.0";
+  w.dt = 2e-6;
+  w.shape = superquadric("pill", "[0.0013, 0.0013, 0.0026]", "[4, 2]");
+  w.rest = source("one", 1, "[0.02, 0.02, 0.0002]", "[0.03, 0.03, 0.007]",
+                  "shape = \"pill\"\nvelocity = [0, 0, -1.3]\norientation = \"aligned\"");
+  Simulation sim(scene_of(w), {});
+  sim.run(1);
+  const double mass = 1 / bodies_of(sim).v[3], expected = sim.softening(0).overlap;
+  const double inner = bodies_of(sim).scale(0) * 0.0013, central = 1.3 * std::sqrt(mass / 2000) / inner;
+  double deepest = 1;
+  for (int k = 0; k < 400; ++k) {
+    sim.run(10);
+    deepest = fmin2(deepest, bodies_of(sim).centre(0).z);
+  }
+  const double made = (bodies_of(sim).scale(0) * 0.0026 - deepest) / inner;
+  EXPECT_NEAR(made / central, 1, 0.01);
+  EXPECT_NEAR(expected / central, 1, 0.01);
+}
+
 /// Pairs of an engine whose bounding spheres meet, each once; `touch`: of them, those whose surfaces do.
 std::int64_t near_pairs(Simulation& sim, bool touch) {
   std::int64_t twice = 0;

@@ -278,42 +278,28 @@ TEST(Stability, S12_RestitutionFromOneHundredthToOne) {
         worst_at = std::string(hertz ? "Hertz" : "linear") + " e " + fmt_ratio(e);
       }
     }
-  // e = 1: collisions between two walls. Leapfrog keeps v(n-1/2) v(n+1/2) + omega^2 x^2 inside a contact, which at
-  // touch differs from v^2 by the share (omega dt)^2 p (1 - p), p the part of the step that has passed: each collision
-  // changes the speed by half the difference of that between touch and parting, either way. That is no drift: the steps
-  // can be undone, so as many collisions back, from the reversed velocity, end where the first began. A drift would
-  // show there twice, and the departure from the speed would grow with the number of collisions.
+  // e = 1: collisions between two walls. Leapfrog alone would change the speed in each by up to (omega dt)^2/8 = 5e-6,
+  // either way. With the first and last step counted from touch to parting the speed stays, over hundreds of
+  // collisions.
   const double k = 1e4, dt = k_pi * std::sqrt(sphere_mass(2500, k_r) / k) / 500.3;
-  struct Bounces {
-    double largest = 0;  // departure from the speed after a collision
-    Vec3 x, v;           // in free flight behind the last one
-  };
-  const auto bounce = [&](const Vec3& x, const Vec3& v, int collisions) {
-    Scene s = open_scene({-1, -1, -1}, {1, 1, 1}, dt);
-    linear_restitution(s, k, 1);
-    s.walls = {plane("floor", {0, 0, -0.02}, {0, 0, 1}), plane("lid", {0, 0, 0.02}, {0, 0, -1})};
-    add_grains(s, {{x, v, k_r}});
-    Simulation sim(s, options());
-    Bounces b;
-    double sign = v.z;
-    for (int seen = 0; seen < collisions;) {
-      sim.run(20);
-      b.v = sim.frame().v[0];
-      if (b.v.z * sign >= 0 || sim.counters().wall_contacts > 0) continue;
-      ++seen;
-      sign = b.v.z;
-      b.largest = std::max(b.largest, std::fabs(std::fabs(b.v.z) - 1));
-    }
-    b.x = sim.frame().x[0];
-    return b;
-  };
-  const double bound = std::pow(k_pi / 500.3, 2) / 8;
-  const Bounces few = bounce({0, 0, 0}, {0, 0, 1}, 20), many = bounce({0, 0, 0}, {0, 0, 1}, 400);
-  const Bounces back = bounce(many.x, -1.0 * many.v, 400);
-  const double drift = std::fabs(std::fabs(back.v.z) - 1) / 800;
-  EXPECT_LT(drift, 1e-12);
-  EXPECT_LT(few.largest, 1.01 * bound);
-  EXPECT_LT(many.largest, 1.01 * bound);  // does not grow
+  Scene s = open_scene({-1, -1, -1}, {1, 1, 1}, dt);
+  linear_restitution(s, k, 1);
+  s.walls = {plane("floor", {0, 0, -0.02}, {0, 0, 1}), plane("lid", {0, 0, 0.02}, {0, 0, -1})};
+  add_grains(s, {{{0, 0, 0}, {0, 0, 1}, k_r}});
+  Simulation sim(s, options());
+  double departure[2] = {}, sign = 1;  // from the speed, behind the first 20 of 400 collisions and behind all
+  for (int seen = 0; seen < 400;) {
+    sim.run(20);
+    const double v = sim.frame().v[0].z;
+    if (v * sign >= 0 || sim.counters().wall_contacts > 0) continue;
+    sign = v;
+    ++seen;
+    departure[1] = std::max(departure[1], std::fabs(std::fabs(v) - 1));
+    if (seen <= 20) departure[0] = departure[1];
+  }
+  std::printf("e 1: speed within %.2g after 20 collisions, %.2g after 400\n", departure[0], departure[1]);
+  EXPECT_LT(departure[0], 1e-9);
+  EXPECT_LT(departure[1], 2e-8);
   // e = 0 has no finite damping: the scene is refused
   const std::string zero = refusal([] {
     parse_scene(
