@@ -47,7 +47,8 @@ constexpr SeriesQuantity<SeriesRow> k_run[] = {
        const auto grains = static_cast<double>(at.now.particles);
        return grains > 0 ? 2.0 * static_cast<double>(at.now.contacts) / grains : 0.0;
      }},
-    {"inserted", "-", k_sum, "grains that sources have brought", of<&SeriesRow::inserted>, has_sources},
+    {"inserted", "-", k_sum, "grains that sources have brought since the start, without those of step 0",
+     of<&SeriesRow::inserted>, has_sources},
     {"removed", "-", k_sum, "grains that left through open sides or were removed by events", of<&SeriesRow::removed>},
     {"removed_mass", "kg", k_sum, "their mass", of<&SeriesRow::removed_mass>},
     {"mass_flow", "kg/s", k_mean, "of removed_mass since the row before",

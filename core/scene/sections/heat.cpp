@@ -19,7 +19,8 @@ const Keys<General> k_heat(
         key("temperature", &HeatScene::temperature, "K", k_kelvin,
             "of the grains of sources that give none of their own. Particle files gain `temperature`, contact files "
             "`heat_flow` (conducted into particle_a, W), the series "
-            "heat.total (enthalpy), what came in by walls, gas, radiation, friction, held grains and sources, "
+            "heat.total (enthalpy; that of grains with shells is conversion.heat), what came in by walls, gas, "
+            "radiation, friction, held grains and sources, "
             "heat.residual, heat.lowest, heat.mean, heat.highest, and the heat flow of each named wall",
             "293.15")
             .required()
@@ -60,7 +61,7 @@ const Keys<General> k_heat(
         key("softening", &General::softening,
             "how real contacts follow from those of the model where `young` is given; impact: (E/E_real)^(1/5) of the "
             "radius, as in collisions of the same energy (Zhou 2010); load: (E/E_real)^(1/3), as under the same load. "
-            "The linear law takes its force as that load",
+            "Not with the linear law, which takes its force as that load",
             "\"load\"")
             .with("model = \"hertz_mindlin\"\n"),
         key("friction", &General::friction,
