@@ -166,19 +166,18 @@ Scene vibrated(double amplitude) {
 
 // A wall that appears within a resting grain is told as such; stiffer contacts would not help.
 TEST(Stability, S35_AWallThatAppearsWithinGrainsIsSaidToHaveDoneSo) {
-  for (const bool appears : {true, false}) {
-    Scene s = open_scene({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}, 1e-5);
-    linear_restitution(s, 1e4, 0.5);
-    s.walls = {plane("lid", {0, 0, 0.0002}, {0, 0, -1})};
-    if (appears) s.walls[0].appear = 50 * s.dt;
-    add_grains(s, {{{0, 0, 0}, {0, 0, 0}, 0.002}});
-    const std::string text = refusal([&] {
-      Simulation sim(s, options());
-      sim.run(200);
-    });
-    EXPECT_EQ(text.find("has just appeared where grains are") != std::string::npos, appears) << text;
-    EXPECT_EQ(text.find("stiffer contacts") == std::string::npos, appears) << text;
-  }
+  Scene s = open_scene({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}, 1e-5);
+  linear_restitution(s, 1e4, 0.5);
+  s.walls = {plane("lid", {0, 0, 0.0002}, {0, 0, -1})};
+  s.walls[0].appear = 50 * s.dt;
+  add_grains(s, {{{0, 0, 0}, {0, 0, 0}, 0.002}});
+  const std::string text = refusal([&] {
+    Simulation sim(s, options());
+    sim.run(200);
+  });
+  EXPECT_NE(text.find("wall 'lid', which has just appeared where grains are, overlap by more than"), std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("stiffer contacts"), std::string::npos) << text;
 }
 
 TEST(Stability, S35_VibratedBedFluidisesAndAbsurdAmplitudesMeetTheGuard) {
