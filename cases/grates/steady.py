@@ -7,7 +7,7 @@
 
 Residence time: mean number of grains over grains fed per second (Little), in the window itself. Three blocks of one
 residence time each, ten batches per block; intervals of 95 % from the spread of all batches about a straight line,
-widened by the correlation of neighbours. Held, judged by rules that were set before the stretch that is judged:
+widened by the correlation of neighbours. Held:
   1. what is stored: last and first block differ by no more than both intervals together, or by 3 % of the mean;
   2. what flows: in and out differ by no more than the interval of their difference, or by 3 % of what flows in;
      an interval beyond a fifth of the mean tells nothing, so that both fail there;

@@ -10,57 +10,14 @@
 #include "core/shapes/surface_area.hpp"
 #include "scheduler/parts/doors.hpp"
 #include "tests/breathing.hpp"
+#include "tests/determinism/charring_wood.hpp"
 #include "tests/determinism/part_final.hpp"
 #include "tests/shapes/body_support.hpp"
 
 namespace talus::determinism {
 namespace {
 
-/// Wood that has begun to char, so that all happens within a short run.
-constexpr const char* k_wood = R"(title = "wood, water and char"
-[time]
-step = 0.001
-duration = 1
-[grain]
-diameter = 0.002
-temperature = 300
-[material]
-density = 700
-moisture = 0.1
-ash = 0.02
-initial = { wood = 0.5, char = 0.38 }
-[heat_capacity]
-fuel = { polynomial = [1112, 4.85], origin = 273.15, range = [273, 900] }
-char = 1300
-ash = 900
-[conductivity]
-fuel = 0.15
-wet = 0.25
-char = 0.1
-ash = 0.2
-[[solid]]
-name = "wood"
-[[solid]]
-name = "char"
-kind = "char"
-[[gas]]
-name = "volatiles"
-[[reaction]]
-reactant = "wood"
-products = { char = 0.2, volatiles = 0.8 }
-A = 1e10
-E = 1.25e5
-heat = 1e5
-[shrinkage]
-drying = 0.1
-devolatilisation = 0.3
-burn_off = 0.9
-[[char_reaction]]
-oxidant = "O2"
-A = 17.15
-n = 1
-E = 74830
-[surroundings]
+const std::string k_wood = k_charring_wood + R"([surroundings]
 gas = "air"
 temperature = 1400
 oxygen = 0.23
@@ -196,7 +153,7 @@ TEST(ShapedConversion, BurntOutBodiesLeaveWholeAndTheirAshIsCounted) {
 
 /// Alone in a film, the body's spheres do what one sphere of their radius does; the shape follows their radius.
 TEST(ShapedConversion, ABodyDoesWhatAsManySpheresOfItsVolumeOverSurfaceDo) {
-  const std::string wood = grain_file(std::string(k_wood) + "film = 3000\n");
+  const std::string wood = grain_file(k_wood + "film = 3000\n");
   const std::string head = fmt::format(
       "gravity = [0, 0, 0]\n[domain]\nlower = [0, 0, 0]\nupper = [0.05, 0.05, 0.05]\n[time]\nstep = 1e-5\nduration = "
       "1\n"
