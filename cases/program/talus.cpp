@@ -18,6 +18,7 @@
 #include "cases/program/cli_usage.hpp"
 #include "core/base/suggest.hpp"
 #include "core/base/text.hpp"
+#include "core/scene/scene_keys.hpp"
 #include "version.hpp"
 
 namespace {
@@ -156,6 +157,8 @@ bool help_on_commands(const CLI::App& app, const Options& o) {
                             o.topic, did_you_mean(o.topic, topics), list));
   }
   cli::put_text(found.front()->help());
+  if (find_scene_section(o.topic) != nullptr)
+    cli::put("\nKeys of scenes with this name: talus help scene {}\n", o.topic);
   return true;
 }
 

@@ -3,6 +3,7 @@
 
 #include "core/base/error.hpp"
 #include "core/scene/key.hpp"
+#include "core/scene/scene_search.hpp"
 #include "core/scene/scene_suggest.hpp"
 
 namespace talus {
@@ -112,6 +113,7 @@ std::string scene_help(std::string_view key) {
   }
   for (const SceneKey& k : scene_keys())
     if (k.name == key) text += (text.empty() ? "" : "\n") + full_text(k);
+  if (text.empty()) text = search_help(key);
   if (!text.empty()) return text;
   throw Error(ErrorCode::usage, fmt::format("no scene key or section '{}'{}", key, key_hint(key, false)), "",
               "'talus help scene' lists all keys");

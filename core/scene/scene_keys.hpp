@@ -106,8 +106,8 @@ std::string full_name(const SceneKey& key);
 std::string allowed_text(const SceneKey& key);
 
 /// Help text. "": list of all keys with type, unit, range and default. A key ("contact.friction", or "friction": all
-/// keys of that name) or section ("contact"): full text with example. Error{usage} with the nearest name for anything
-/// else.
+/// keys of that name) or section ("contact"): full text with example. Any other word: the keys whose text has it.
+/// Error{usage} with the nearest name for anything else.
 std::string scene_help(std::string_view key);
 
 /// A complete small scene that contains the key's example; parse_scene accepts it (tested for every key).
