@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 
 namespace talus::text_frames {
@@ -100,15 +101,26 @@ void Rows::row(Frame& frame, const std::optional<Domain>& domain) {
     const Vec3 share = three(Field::xs);
     for (int k = 0; k < 3; ++k) x[k] = domain->lower[k] + share[k] * (domain->upper[k] - domain->lower[k]);
   }
-  const double r = has(Field::radius) ? value[static_cast<std::size_t>(Field::radius)]
-                                      : 0.5 * value[static_cast<std::size_t>(Field::diameter)];
-  if (!(r > 0)) fail(fmt::format("a radius of {} is not allowed", r), "spheres have radii > 0");
+  const double r = radius_of(value);
   frame.id.push_back(id);
   frame.x.push_back(x);
   frame.v.push_back(three(Field::vx));
   if (has(Field::wx)) frame.w.push_back(three(Field::wx));
   frame.r.push_back(r);
   frame.material.push_back(material);
+}
+
+double Rows::radius_of(std::span<const double, k_fields> value) const {
+  const double radius = value[static_cast<std::size_t>(Field::radius)];
+  const double half = 0.5 * value[static_cast<std::size_t>(Field::diameter)];
+  // files of text often have six digits
+  constexpr double k_rounding = 1e-4;
+  if (has(Field::radius) && has(Field::diameter) && !(std::abs(radius - half) <= k_rounding * std::abs(radius)))
+    fail(fmt::format("a radius of {} and a diameter of {} contradict each other", radius, 2 * half),
+         "one of the two, or a diameter of two radii");
+  const double r = has(Field::radius) ? radius : half;
+  if (!(r > 0)) fail(fmt::format("a radius of {} is not allowed", r), "spheres have radii > 0");
+  return r;
 }
 
 std::uint8_t Rows::material_of(std::string_view species) {

@@ -2,6 +2,7 @@
 // core/io/text_frames_*.cpp only.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,6 +44,8 @@ class Rows {
  private:
   bool has(Field f) const;
   void row(Frame& frame, const std::optional<Domain>& domain);
+  /// Of a row's values; refuses what is no sphere, and a diameter that is not two radii.
+  double radius_of(std::span<const double, k_fields> value) const;
   std::uint8_t material_of(std::string_view species);
   void into_id_order(Frame& frame) const;
 

@@ -209,6 +209,8 @@ TEST_F(Convert, TextThatIsNoSetOfSpheresIsRefusedWithItsLine) {
       {"a.dump", head + columns + row + "2 1 .7 .5 .5\n", "a.dump:11: 5 values"},
       {"a.dump", head + columns + row + "2 1 .7 nan .5 .1\n", "not finite"},
       {"a.dump", head + columns + row + "2 1 .7 .5 .5 0\n", "radius of 0"},
+      {"a.dump", head + "ITEM: ATOMS id x y z radius diameter\n1 .5 .5 .5 .1 .200001\n2 .7 .5 .5 .1 .3\n",
+       "a.dump:11: a radius of 0.1 and a diameter of 0.3 contradict each other"},
       {"a.dump", head + columns + row + "2 0 .7 .5 .5 .1\n", "type 0"},
       {"a.dump", head + columns + row + next + head + columns + row + next, "step 5 comes after step 5"},
       {"a.dump",
