@@ -105,7 +105,10 @@ const KernelTable& select_kernels(Isa isa, std::string* why, Precision precision
   if (precision == Precision::exact) return table(isa);
   if (isa == Isa::avx512 && built(k_table_avx512_fast)) return k_table_avx512_fast;
   if (isa == Isa::avx2 && __builtin_cpu_supports("fma") && built(k_table_avx2_fast)) return k_table_avx2_fast;
-  throw Error(ErrorCode::usage, std::string("there are no fast kernels for ") + isa_name(isa) + " on this processor",
+  const bool could = isa == Isa::avx512 || (isa == Isa::avx2 && __builtin_cpu_supports("fma"));
+  throw Error(ErrorCode::usage,
+              could ? std::string("this build leaves out the fast kernels of ") + isa_name(isa)
+                    : std::string("there are no fast kernels for ") + isa_name(isa) + " on this processor",
               "precision = \"fast\"", "precision = \"exact\", or avx2 with fused multiply-add, or avx512");
 }
 

@@ -196,7 +196,13 @@ void SceneTable::exclusive(std::string_view a, std::string_view b) const {
 }
 
 void SceneTable::fail(std::string_view name, const std::string& allowed) const {
-  fail_value(text_->context, child(name), node_of(table_, section_, name), allowed);
+  const TomlNode& node = node_of(table_, section_, name);
+  const bool list = node.is_list() && !node.list.empty();
+  if (!node.is_table() && !(list && node.list.front().is_table()))
+    fail_value(text_->context, child(name), node, allowed);
+  // A whole section: its name and line say which; it has no value that a line could show.
+  throw Error(ErrorCode::scene, fmt::format("{}: {}", child(name), allowed),
+              text_->context.where(child(name), node.where.empty() ? text_->context.name : node.where));
 }
 
 void SceneTable::missing(std::string_view name, std::string_view why) const {

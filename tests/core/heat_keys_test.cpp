@@ -51,6 +51,11 @@ TEST(HeatKeys, WhatCannotBeRightIsRefusedWithItsPlace) {
   EXPECT_CONTAINS(refusal(heat + "error = 0\n"), "heat.error");
   EXPECT_CONTAINS(refusal(heat + "error = 1\n[gas]\ncells = [4, 4, 4]\n"),
                   "heat.error: 1: cannot be kept beside [gas]");
+  EXPECT_CONTAINS(refusal(heat + "[heat.gas]\ntemperature = 400\n[gas]\ncells = [4, 4, 4]\n"),
+                  "heat.gas: cannot be had beside [gas]");  // a whole section has no value that the line could show
+  EXPECT_CONTAINS(
+      refusal(k_materials + "[[laser]]\npower = 10\nradius = 1e-4\nabsorptivity = 0.5\nx = [0.5]\ny = [0.5]\n"),
+      "laser: has no effect without a [heat] section");
   EXPECT_CONTAINS(refusal(k_materials + "[heat]\ntemperature = 300\ncapacity = 800\n"), "heat.conductivity: missing");
   EXPECT_CONTAINS(refusal(k_materials + "[heat]\ncapacity = 800\nconductivity = 1\n"), "heat.temperature: missing");
   EXPECT_CONTAINS(refusal(k_materials + "[heat]\ntemperature = -5\ncapacity = 1\nconductivity = 1\n"),
