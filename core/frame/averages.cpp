@@ -7,6 +7,7 @@
 
 #include "core/base/count.hpp"
 #include "core/base/error.hpp"
+#include "core/gas/overlap.hpp"
 #include "core/grains/body.hpp"
 #include "core/grains/region.hpp"
 
@@ -25,8 +26,12 @@ Body body_of(const Frame& f, const Scene& s, std::size_t i) {
   return {f.r[i], s.materials[f.material.empty() ? 0 : f.material[i]].density};
 }
 
-/// By way of the volume: the last bits of averages are those that series have always had.
-double mass_of(const Body& body) { return body.volume() * body.density; }
+/// The frame's where sizes change on their own, else by way of the volume: so its last bits are those of older series.
+double mass_of(const Frame& f, const Scene& s, std::size_t i) {
+  if (!f.mass.empty()) return f.mass[i];
+  const Body body = body_of(f, s, i);
+  return body.volume() * body.density;
+}
 
 /// Weighted sums of one region or cell; add() all particles, mean(), deviate() all particles, finish().
 struct Sums {
@@ -36,7 +41,7 @@ struct Sums {
 
   void add(const Frame& f, const Scene& s, std::size_t i, double share) {
     const Body body = body_of(f, s, i);
-    const double m = share * mass_of(body), v = share * body.volume();
+    const double m = share * mass_of(f, s, i), v = share * body.volume();
     w += share;
     mass += m;
     volume += v;
@@ -49,7 +54,7 @@ struct Sums {
     if (mass > 0) mean = (1 / mass) * momentum;
   }
   void deviate(const Frame& f, const Scene& s, std::size_t i, double share) {
-    deviation += share * mass_of(body_of(f, s, i)) * norm2(f.v[i] - mean);
+    deviation += share * mass_of(f, s, i) * norm2(f.v[i] - mean);
   }
   RegionAverage finish(double region_volume) const {
     RegionAverage a;
@@ -69,20 +74,41 @@ struct Sums {
 struct Slabs {
   int first = 0;
   std::vector<double> share;
+  std::vector<double> lower, upper;  ///< [m] of each slab; the outer ones reach as far as the sphere
 
   /// `least` and `most`: what lies beyond them is put into them.
-  void fill(double centre, double r, double lower, double h, int least, int most) {
-    first = static_cast<int>(count_floor((centre - r - lower) / h, least, most));
-    const int last = static_cast<int>(count_floor((centre + r - lower) / h, least, most));
+  void fill(double centre, double r, double from, double h, int least, int most) {
+    first = static_cast<int>(count_floor((centre - r - from) / h, least, most));
+    const int last = static_cast<int>(count_floor((centre + r - from) / h, least, most));
     share.clear();
+    lower.clear();
+    upper.clear();
     double before = 0;  // what lies below the first slab is nothing
     for (int k = first; k <= last; ++k) {
-      const double now = k == last ? 1.0 : below((lower + (k + 1) * h - centre) / r);
+      const double now = k == last ? 1.0 : below((from + (k + 1) * h - centre) / r);
       share.push_back(now - before);
+      lower.push_back(k == first ? centre - 2 * r : from + k * h);
+      upper.push_back(k == last ? centre + 2 * r : from + (k + 1) * h);
       before = now;
     }
   }
 };
+
+/// Share of the sphere in a cell: one of slabs where it lies between sides of one axis, else by the exact overlap.
+double share_of_cell(const std::array<Slabs, 3>& slabs, const std::array<std::size_t, 3>& at, Vec3 centre, double r) {
+  int cut = 0;
+  double share = 1;
+  Vec3 lower, upper;
+  for (int a = 0; a < 3; ++a) {
+    const Slabs& s = slabs[static_cast<std::size_t>(a)];
+    const std::size_t k = at[static_cast<std::size_t>(a)];
+    cut += s.share.size() > 1 ? 1 : 0;
+    share *= s.share[k];
+    lower[a] = s.lower[k];
+    upper[a] = s.upper[k];
+  }
+  return cut > 1 ? gas::ball_in_box(centre, r, lower, upper) / Body{r}.volume() : share;
+}
 
 bool wants_coordination(const Scene& s) { return s.output.coordination; }
 bool wants_stress(const Scene& s) { return s.output.stress; }
@@ -170,8 +196,9 @@ GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3>
           if (y < 0) continue;
           for (std::size_t kx = 0; kx < slabs[0].share.size(); ++kx) {
             const int x = index(0, slabs[0].first + static_cast<int>(kx));
-            const double share = slabs[0].share[kx] * slabs[1].share[ky] * slabs[2].share[kz];
-            if (x < 0 || share <= 0) continue;
+            if (x < 0) continue;
+            const double share = share_of_cell(slabs, {kx, ky, kz}, frame.x[i], frame.r[i]);
+            if (share <= 0) continue;
             Sums& cell = sums[(static_cast<std::size_t>(z) * cells[1] + y) * cells[0] + x];
             pass == 0 ? cell.add(frame, scene, i, share) : cell.deviate(frame, scene, i, share);
           }

@@ -63,6 +63,7 @@ struct Frame {
   std::vector<Vec3> x, v;                     ///< [m], [m/s] (velocity at n-1/2)
   std::vector<Vec3> w;                        ///< [rad/s]; empty without rotation
   std::vector<double> r;                      ///< [m]
+  std::vector<double> mass;                   ///< [kg]; empty where it follows from radius and density
   std::vector<std::uint8_t> material;         ///< empty with one material
   std::vector<std::uint8_t> fixed;            ///< empty where nothing is fixed
   std::vector<std::int32_t> coordination;     ///< on request

@@ -41,16 +41,12 @@ void Insertion::read_file(std::size_t s) {
   for (std::string& note : file.notes) notes_.push_back(std::move(note));
   if (std::string note = box_note(file, path, scene_.domain.lower, scene_.domain.lower + size); !note.empty())
     notes_.push_back(std::move(note));
-  std::int16_t fixed_group = static_cast<std::int16_t>(source.group);
-  for (std::size_t g = scene_.groups.size(); g-- > 0;) {
-    if (scene_.groups[g].fixed_in_file) fixed_group = static_cast<std::int16_t>(g);
-  }
   p.fixed = file.fixed.empty() ? std::vector<std::uint8_t>(n) : std::move(file.fixed);
   p.material = file.material.empty() ? std::vector<std::uint8_t>(n, static_cast<std::uint8_t>(source.material))
                                      : std::move(file.material);
   p.group.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
-    p.group[i] = p.fixed[i] ? fixed_group : static_cast<std::int16_t>(source.group);
+    p.group[i] = static_cast<std::int16_t>(source.group);
     for (int k = 0; k < 3; ++k) {
       const double low = scene_.domain.lower[k];
       const double high = source.tile[static_cast<std::size_t>(k)] > 1 ? low + size[k] : scene_.domain.upper[k];

@@ -72,7 +72,9 @@ void Insertion::check_region(std::size_t s) const {
   for (int k = 0; k < 3; ++k) {
     const double room = g.upper[k] - g.lower[k];
     if (!spans(scene_.domain, g, k) && room < largest)
-      refuse(fmt::format("the region is {:g} m wide, the largest particle {:g} m", room, largest), whole);
+      refuse(fmt::format("the region is {:g} m wide, the largest particle {:g} m: {:.3g} m too little", room, largest,
+                         largest - room),
+             whole);
   }
   if (g.radius > 0 && 2 * g.radius < largest)
     refuse(g.shape == Region::Shape::sphere ? "the sphere is smaller than the largest particle"

@@ -8,6 +8,8 @@
 
 #include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
+#include "core/gas/overlap.hpp"
+#include "core/grains/body.hpp"
 #include "core/grains/body_shape.hpp"
 #include "core/grains/curved_share.hpp"
 #include "core/walls/closed_surface.hpp"
@@ -77,6 +79,9 @@ double share_of_one(const Region& g, Vec3 x, double r) noexcept {
     case Shape::box: {
       const double wz = between(g.lower.z, g.upper.z, x.z, r);
       if (g.radius > 0) return in_bar(g.radius, g.lower.z - x.z, g.upper.z - x.z, std::sqrt(rim2(g, x)), r);
+      int cut = 0;  // axes across which a side cuts the sphere: more than one meet in an edge
+      for (int k = 0; k < 3; ++k) cut += x[k] - r < g.lower[k] || x[k] + r > g.upper[k] ? 1 : 0;
+      if (cut > 1) return gas::ball_in_box(x, r, g.lower, g.upper) / Body{r}.volume();
       return wz * between(g.lower.x, g.upper.x, x.x, r) * between(g.lower.y, g.upper.y, x.y, r);
     }
     case Shape::cylinder: {

@@ -172,7 +172,7 @@ void wall_add_ons(const Rules& rules, const Clock& clock, const Rows& rows, cons
 void clear_moments(Chunk& c) {
   const auto size = 4 * static_cast<std::size_t>(c.hi - c.lo);
   grow(c.scratch->m, size);
-  std::memset(c.scratch->m.data(), 0, size * sizeof(double));
+  std::fill_n(c.scratch->m.data(), size, 0.0);
 }
 
 void fold_moments(const Rows& rows, Chunk& c) {

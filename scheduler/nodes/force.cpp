@@ -2,7 +2,6 @@
 #include "scheduler/nodes/force.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <optional>
 
 #include "scheduler/nodes/add_ons.hpp"
@@ -37,9 +36,9 @@ void force_chunk(const Rules& rules, const Clock& clock, const Rows& rows, Colum
     grow(s.f, static_cast<std::size_t>(own) * rules.stride);
     s.clean = false;
   }
-  if (!s.clean) std::memset(s.f.data(), 0, s.f.size() * sizeof(double));
+  if (!s.clean) std::fill(s.f.begin(), s.f.end(), 0.0);
   s.clean = false;
-  if (rules.has.energies) std::memset(energy.data() + 4L * c.lo, 0, static_cast<std::size_t>(own) * 4 * sizeof(double));
+  if (rules.has.energies) std::fill_n(energy.data() + 4L * c.lo, 4L * own, 0.0);
   if (rules.has.moments) clear_moments(c);
   BlockBuffers buffers;
   ContactBlocks blocks(rules, clock, rows, c);

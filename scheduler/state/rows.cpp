@@ -148,6 +148,9 @@ void append_particles(const Rules& rules, const Clock& clock, Rows& rows, const 
   // a grain born at step n carries v(n-1/2) = v - g dt/2
   const double half = clock.step == 0 ? 0.0 : 0.5 * rules.scene.dt;
   auto body = a.bodies.begin();
+  const auto& groups = rules.scene.groups;
+  const bool remembered = std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.fixed_in_file; });
+  const auto held = static_cast<std::uint8_t>(remembered ? k_held | k_held_in_file : k_held);
   for (std::size_t q = 0; q < a.size(); ++q) {
     const Row i = first + static_cast<Row>(q);
     const Vec3 x = a.x[q] - rules.scene.domain.lower;
@@ -161,7 +164,7 @@ void append_particles(const Rules& rules, const Clock& clock, Rows& rows, const 
     rows.id[i] = rows.next_id++;
     if (rules.has.materials) rows.material[i] = a.material[q];
     const bool fixed = a.fixed[q] != 0;
-    if (rules.has.fixed) rows.fixed[i] = fixed ? 1 : 0;
+    if (rules.has.fixed) rows.fixed[i] = fixed ? held : 0;
     if (rules.has.groups) rows.group[i] = a.group[q];
     const double m = Body{a.r[q], rules.scene.materials[rules.has.materials ? rows.material[i] : 0].density}.mass();
     const Vec3 v = fixed ? a.v[q] : a.v[q] - half * clock.gravity;

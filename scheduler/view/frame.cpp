@@ -28,6 +28,7 @@ namespace {
 struct RowContact {
   Row i = 0, j = -1;
   ContactRecord record;
+  Vec3 arm_i, arm_j;  ///< from the centres to the contact point [m]; of spheres
 };
 
 /// Rows, contacts and walls of the present step, and lists of what touches now.
@@ -102,7 +103,7 @@ void record_pairs(const World& w, Chunk& c, std::vector<RowContact>& out) {
       if (i > j) continue;  // a pair across chunks is seen by both owners
       const ShapedContacts* shaped = blocks.shaped();
       if (shaped != nullptr && shaped->shaped(k)) {
-        if (shaped->touches(k)) out.push_back({i, j, shaped_record(w, i, j, k, *shaped, b)});
+        if (shaped->touches(k)) out.push_back({i, j, shaped_record(w, i, j, k, *shaped, b), {}, {}});
         continue;
       }
       const Vec3 branch{b.x[k], b.y[k], b.z[k]}, f{b.r[0][k], b.r[1][k], b.r[2][k]};
@@ -115,7 +116,9 @@ void record_pairs(const World& w, Chunk& c, std::vector<RowContact>& out) {
       t.tangential_force = f - t.normal_force;
       t.overlap = b.w[k] - d;
       t.point = position_of(w.rules, w.rows, i) - (w.rows.p[4L * i + 3] - 0.5 * t.overlap) * normal;
-      out.push_back({i, j, t});
+      // by the normal of the geometry: a force that attracts points the other way
+      const double ri = w.rows.p[4L * i + 3], rj = w.rows.p[4L * j + 3];
+      out.push_back({i, j, t, -(ri - 0.5 * t.overlap) * normal, (rj - 0.5 * t.overlap) * normal});
     }
   }
 }
@@ -134,7 +137,7 @@ void record_walls(World& w, Chunk& c, std::vector<RowContact>& out) {
     t.tangential_force = c.wall.force[k] - t.normal_force;
     t.overlap = w.rows.p[4L * q.row + 3] - q.contact.distance;
     t.point = c.wall.point[k];
-    out.push_back({q.row, -1, t});
+    out.push_back({q.row, -1, t, -q.contact.distance * q.contact.normal, {}});
   }
 }
 
@@ -158,12 +161,10 @@ std::vector<RowContact> present_contacts(const World& w) {
 
 /// sigma = 1/V l f of one end of a contact, l from the centre to the contact point, f the force on the particle;
 /// compression < 0.
-void add_stress(const ContactRecord& c, bool first, double r, std::array<double, 6>& stress) {
+void add_stress(const RowContact& c, bool first, double r, std::array<double, 6>& stress) {
   const double volume = Body{r}.volume();
-  const double nf = norm(c.normal_force);
-  const Vec3 force = (first ? 1.0 : -1.0) * (c.normal_force + c.tangential_force);
-  const Vec3 n = nf > 0 ? (1 / nf) * c.normal_force : Vec3{};
-  const Vec3 l = (first ? -1.0 : 1.0) * (r - 0.5 * c.overlap) * n;
+  const Vec3 force = (first ? 1.0 : -1.0) * (c.record.normal_force + c.record.tangential_force);
+  const Vec3 l = first ? c.arm_i : c.arm_j;
   const double t[6] = {l.x * force.x,
                        l.y * force.y,
                        l.z * force.z,
@@ -195,7 +196,7 @@ void add_contacts(const World& w, const FrameRequest& q, const std::vector<std::
       if (ends[e] < 0 || place[static_cast<std::size_t>(ends[e])] < 0) continue;
       const auto at = static_cast<std::size_t>(place[static_cast<std::size_t>(ends[e])]);
       if (q.coordination) ++f.coordination[at];
-      if (q.stress) add_stress(c.record, e == 0, f.r[at], f.stress[at]);
+      if (q.stress) add_stress(c, e == 0, f.r[at], f.stress[at]);
     }
     if (q.contacts) f.contacts.push_back(c.record);
   }
@@ -218,8 +219,9 @@ std::vector<std::int32_t> add_particles(const World& w, Frame& f) {
     f.v.push_back({v[0], v[1], v[2]});
     if (w.rules.has.rotation) f.w.push_back({v[4] / x[3], v[5] / x[3], v[6] / x[3]});
     f.r.push_back(x[3]);
+    if (w.rows.resized && !w.rows.bodies.in) f.mass.push_back(mass_of(w.rules, w.rows, i));
     if (w.rules.has.materials) f.material.push_back(w.rows.material[i]);
-    if (w.rules.has.fixed) f.fixed.push_back(w.rows.fixed[i]);
+    if (w.rules.has.fixed) f.fixed.push_back(w.rows.fixed[i] & k_held);
   }
   if (w.rows.bodies.in) {  // the number of a body is that of its first sphere
     ExtraColumn body{"body", "", {}};

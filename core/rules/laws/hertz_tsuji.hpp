@@ -13,7 +13,7 @@ inline PairParameters tsuji_parameters(const Scene& scene, int a, int b) {
 
 inline constexpr Law k_hertz_tsuji{
     .model = ContactModel::hertz_tsuji,
-    .what = "Tsuji's damping polynomial",
+    .what = "Tsuji's damping polynomial, for comparison: restitution comes out higher than asked (0.70 for 0.6)",
     .force =
         {.name = "hertz_tsuji", .force = LawForce::hertz_mindlin, .history = 4, .flips = 0b0111, .wants_reff = true},
     .partial_slip = k_partial_slip,

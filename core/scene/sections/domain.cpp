@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "core/scene/sections/sections.hpp"
+#include "core/tables/particle_text.hpp"
 
 namespace talus {
 namespace {
@@ -95,6 +96,9 @@ std::vector<std::string> read_materials(const std::vector<SceneTable>& list, con
   for (const SceneTable& r : list) {
     Material m;
     m.name = unique_name(r, "", names);
+    // tables of particles name materials by either; a number that is another's place would mean both
+    if (int place = -1; particle_text::is_number(m.name, place) && place != static_cast<int>(scene.materials.size()))
+      r.fail("name", "a number would be taken for the place of another material in tables; use a word");
     k_material.read(r, m);
     scene.materials.push_back(m);
   }

@@ -88,7 +88,7 @@ const Keys<WallMotion> k_motion(
             .beside("frequency = 50"),
         key("frequency", &WallMotion::frequency, "Hz", k_not_negative, "frequency of the vibration", "50")
             .beside("amplitude = [0, 0, 0.0002]"),
-        key("phase", &WallMotion::phase, "turns", {-1, 1}, "phase of the vibration at its start", "0.25")
+        key("phase", &WallMotion::phase, "turns", {-1, 1}, "phase of the vibration at its start; where it is not 0 the wall stands displaced by amplitude sin(2 pi phase) before", "0.25")
             .beside("amplitude = [0, 0, 0.0002]\nfrequency = 50"),
         key("start", &WallMotion::start, "s", k_not_negative, "the motion begins", "0.1")
             .beside("velocity = [0.1, 0, 0]"),
