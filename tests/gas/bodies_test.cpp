@@ -149,6 +149,20 @@ TEST(GasBodies, ForceActsOnTheCentreAndTurnsNothing) {
   }
 }
 
+/// Blown from rest, a body has the energy that the gas has brought; the trapezium rule errs by less than the steps of
+/// gas, over which the force is a line in the velocity.
+TEST(GasBodies, TheWorkOfTheGasIsInTheLedger) {
+  const Table table("x,y,z,shape,scale,qw,qx,qy,qz\n0.005,0.005,0.01,hook,1,0.8,0.36,0.48,0\n");
+  Scene s = scene_of({0.01, 0.01, 0.05}, std::string("cells = [1, 1, 5]\n") + k_blown, table.source());
+  s.output.energies = true;
+  Simulation sim(s, {});
+  sim.run(2000);
+  const Energies e = sim.energies();
+  EXPECT_GT(e.kinetic_translation, 0);
+  EXPECT_NEAR(e.wall_work / e.kinetic_translation, 1, 1e-3);
+  EXPECT_LT(std::fabs(e.residual), 1e-3 * e.kinetic_translation);
+}
+
 /// C_D of a sphere as the law has it, by Reynolds' number.
 double sphere_drag(GasDrag law, double re) {
   if (law == GasDrag::di_felice) return std::pow(0.63 + 4.8 / std::sqrt(re), 2);
