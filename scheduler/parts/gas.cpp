@@ -126,7 +126,7 @@ class GasPart final : public Part, public GasCells {
     double most = k_never;  // held grains do not move; one that is released later is judged at the next gas step
     for (Row i = 0; i < w.rows.n; ++i)
       if (w.rows.is_alive(i) && w.rows.leads(i) && velocity_of(w.rows, i).inverse_mass > 0)
-        most = fmin2(most, allowed(mass_of(w.rules, w.rows, i), grains_.of(w, i)));
+        most = fmin2(most, allowed(mass_of(w.rules, w.rows, i), grains_.of(w.rows, i)));
     for (const Source& s : scene_.sources) {
       if (s.kind == Source::Kind::file) continue;  // its grains are there
       const double d = s.size.smallest(), density = density_of(s);

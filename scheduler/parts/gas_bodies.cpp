@@ -9,7 +9,7 @@
 #include "core/gas/exchange.hpp"
 #include "core/grains/body_shape.hpp"
 #include "core/shapes/superquadric.hpp"
-#include "scheduler/parts/heat_bodies.hpp"
+#include "scheduler/parts/conversion_bodies.hpp"
 
 namespace talus {
 
@@ -36,7 +36,7 @@ void merge(Shares& parts) {
 
 GasGrains::GasGrains(const Scene& scene) : scene_(scene) {
   if (!makes_bodies(scene)) return;
-  const std::vector<double> areas = areas_of_shapes(scene);
+  const std::vector<EqualSpheres> equal = equal_spheres(scene);
   for (const ShapeSpec& s : scene.shapes) {
     const BodyShape& body = *s.body;
     Kind k;
@@ -45,53 +45,57 @@ GasGrains::GasGrains(const Scene& scene) : scene_(scene) {
     for (const shapes::SubSphere& p : body.spheres) all += 4 * det::k_pi / 3 * (p.r * p.r * p.r);
     if (!k.ball) {
       k.fill = body.volume / all;
-      const double r = body.equal_radius;
-      k.drag = gas::drag_shape(fmin2(1, 4 * det::k_pi * (r * r) / areas[kinds_.size()]));
+      // 3 V/A over the radius of equal volume
+      k.drag = gas::drag_shape(fmin2(1, equal[kinds_.size()].radius / body.equal_radius));
     }
     kinds_.push_back(k);
   }
 }
 
-GasGrain GasGrains::of(const PartView& w, Row i) const {
-  const std::int32_t b = w.rows.body_of(i);
-  if (b < 0) return {2 * w.rows.p[4L * i + 3], &sphere_};
-  const Kind& k = kinds_[static_cast<std::size_t>(w.rows.bodies.shape[static_cast<std::size_t>(b)])];
-  return {2 * (k.ball ? w.rows.p[4L * i + 3] : heat_size(w, i)), &k.drag};
+GasGrain GasGrains::of(const Rows& rows, Row i) const {
+  const std::int32_t b = rows.body_of(i);
+  if (b < 0) return {2 * rows.p[4L * i + 3], &sphere_};
+  const auto shape = static_cast<std::size_t>(rows.bodies.shape[static_cast<std::size_t>(b)]);
+  const Kind& k = kinds_[shape];
+  if (k.ball) return {2 * rows.p[4L * i + 3], &k.drag};
+  return {2 * (rows.bodies.scale(b) * scene_.shapes[shape].body->equal_radius), &k.drag};
 }
 
 GasGrain GasGrains::of(const Source& s, double diameter) const {
   return {diameter, s.shape < 0 ? &sphere_ : &kinds_[static_cast<std::size_t>(s.shape)].drag};
 }
 
-void GasGrains::share(const PartView& w, const gas::Grid& grid, Row i, Shares& parts) const {
-  const std::int32_t b = w.rows.body_of(i);
+void GasGrains::share(const Rules& rules, const Rows& rows, const gas::Grid& grid, Row i, Shares& parts) const {
+  const std::int32_t b = rows.body_of(i);
   if (b >= 0) {
-    const auto shape = static_cast<std::size_t>(w.rows.bodies.shape[static_cast<std::size_t>(b)]);
+    const auto shape = static_cast<std::size_t>(rows.bodies.shape[static_cast<std::size_t>(b)]);
     if (!kinds_[shape].ball)
-      return scene_.shapes[shape].body->quadric ? share_superquadric(w, grid, i, parts)
-                                                : share_clump(w, grid, i, kinds_[shape], parts);
+      return scene_.shapes[shape].body->quadric ? share_superquadric(rules, rows, grid, i, parts)
+                                                : share_clump(rules, rows, grid, i, kinds_[shape].fill, parts);
   }
-  gas::share(grid, position_of(w.rules, w.rows, i), w.rows.p[4L * i + 3], parts);
+  gas::share(grid, position_of(rules, rows, i), rows.p[4L * i + 3], parts);
 }
 
-void GasGrains::share_clump(const PartView& w, const gas::Grid& grid, Row i, const Kind& k, Shares& parts) {
+void GasGrains::share_clump(const Rules& rules, const Rows& rows, const gas::Grid& grid, Row i, double fill,
+                            Shares& parts) {
+  const Row end = i + static_cast<Row>(shape_of(rules, rows.bodies, rows.body_of(i)).spheres.size());
   Shares own;
   parts.clear();
-  for (Row q = i; q < end_of_grain(w, i); ++q) {
-    gas::share(grid, position_of(w.rules, w.rows, q), w.rows.p[4L * q + 3], own);
-    for (const auto& [cell, volume] : own) parts.emplace_back(cell, k.fill * volume);
+  for (Row q = i; q < end; ++q) {
+    gas::share(grid, position_of(rules, rows, q), rows.p[4L * q + 3], own);
+    for (const auto& [cell, volume] : own) parts.emplace_back(cell, fill * volume);
   }
   merge(parts);
 }
 
-void GasGrains::share_superquadric(const PartView& w, const gas::Grid& grid, Row i, Shares& parts) {
-  const std::int32_t b = w.rows.body_of(i);
-  const BodyShape& body = shape_of(w.rules, w.rows.bodies, b);
-  const double scale = w.rows.bodies.scale(b);
-  const shapes::Rotation turn = shapes::rotation(state_of(w.rows.bodies, b).turn);
+void GasGrains::share_superquadric(const Rules& rules, const Rows& rows, const gas::Grid& grid, Row i, Shares& parts) {
+  const std::int32_t b = rows.body_of(i);
+  const BodyShape& body = shape_of(rules, rows.bodies, b);
+  const double scale = rows.bodies.scale(b);
+  const shapes::Rotation turn = shapes::rotation(state_of(rows.bodies, b).turn);
   Vec3 reach;
   for (int k = 0; k < 3; ++k) reach[k] = scale * shapes::support_point(body.quadric->surface, turn.row[k]).h;
-  gas::share(grid, centre_of(w.rules, w.rows, i), reach, parts);
+  gas::share(grid, centre_of(rules, rows, i), reach, parts);
   const double volume = body.volume * (scale * scale * scale),
                fill = volume / (4 * det::k_pi / 3 * (reach.x * reach.y * reach.z));
   for (auto& part : parts) part.second *= fill;
@@ -112,9 +116,9 @@ std::vector<std::string> GasGrains::advice() const {
   return lines;
 }
 
-Vec3 arm_of_first(const PartView& w, std::int32_t b) {
-  const shapes::Rotation turn = shapes::rotation(state_of(w.rows.bodies, b).turn);
-  return shapes::to_space(turn, w.rows.bodies.scale(b) * shape_of(w.rules, w.rows.bodies, b).spheres.front().x);
+Vec3 arm_of_first(const Rules& rules, const Bodies& bodies, std::int32_t b) {
+  const shapes::Rotation turn = shapes::rotation(state_of(bodies, b).turn);
+  return shapes::to_space(turn, bodies.scale(b) * shape_of(rules, bodies, b).spheres.front().x);
 }
 
 }  // namespace talus

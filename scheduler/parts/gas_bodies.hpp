@@ -8,7 +8,9 @@
 
 #include "core/gas/drag.hpp"
 #include "core/gas/grid.hpp"
-#include "scheduler/part.hpp"
+#include "core/scene/scene.hpp"
+#include "scheduler/state/rows.hpp"
+#include "scheduler/state/rules.hpp"
 
 namespace talus {
 
@@ -21,12 +23,13 @@ struct GasGrain {
 class GasGrains {
  public:
   explicit GasGrains(const Scene& scene);
-  GasGrain of(const PartView& w, Row i) const;
+  GasGrain of(const Rows& rows, Row i) const;
   GasGrain of(const Source& s, double diameter) const;  ///< of its grains of this size
   /// Cells and volumes in them of the grain that row i leads: a clump's by its spheres, a superquadric's by the
   /// ellipsoid along the axes of the grid that reaches as far, both scaled to the body's volume. So no cell beyond a
   /// wall gets what the body does not put there.
-  void share(const PartView& w, const gas::Grid& grid, Row i, std::vector<std::pair<int, double>>& parts) const;
+  void share(const Rules& rules, const Rows& rows, const gas::Grid& grid, Row i,
+             std::vector<std::pair<int, double>>& parts) const;
   std::vector<std::string> advice() const;  ///< lines of `talus check`
 
  private:
@@ -36,9 +39,9 @@ class GasGrains {
     bool ball = false;  ///< one sphere
     double fill = 1;    ///< of a clump: its volume over those of its spheres
   };
-  static void share_clump(const PartView& w, const gas::Grid& grid, Row i, const Kind& k,
+  static void share_clump(const Rules& rules, const Rows& rows, const gas::Grid& grid, Row i, double fill,
                           std::vector<std::pair<int, double>>& parts);
-  static void share_superquadric(const PartView& w, const gas::Grid& grid, Row i,
+  static void share_superquadric(const Rules& rules, const Rows& rows, const gas::Grid& grid, Row i,
                                  std::vector<std::pair<int, double>>& parts);
 
   const Scene& scene_;
@@ -47,6 +50,6 @@ class GasGrains {
 };
 
 /// From the centre of body b to its first sphere [m].
-Vec3 arm_of_first(const PartView& w, std::int32_t b);
+Vec3 arm_of_first(const Rules& rules, const Bodies& bodies, std::int32_t b);
 
 }  // namespace talus

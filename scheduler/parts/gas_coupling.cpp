@@ -33,7 +33,8 @@ void push_bodies(const PartView& w, const Chunk& c, const Column<double>& force)
     add_force(f, q);
     const std::int32_t b = w.rows.body_of(i);
     if (b < 0 || shape_of(w.rules, w.rows.bodies, b).spheres.size() == 1) continue;
-    const Vec3 back = (-1 / w.rows.p[4L * i + 3]) * cross(arm_of_first(w, b), q);  // lanes: over the sphere's radius
+    const Vec3 back = (-1 / w.rows.p[4L * i + 3]) *
+                      cross(arm_of_first(w.rules, w.rows.bodies, b), q);  // lanes: over the sphere's radius
     add_force(f + 4, back);
   }
 }
@@ -54,7 +55,7 @@ void GasShares::find(const PartView& w, const gas::Grid& grid) {
   std::vector<std::pair<int, double>> own;
   for (Row i = 0; i < w.rows.n; ++i) {
     if (w.rows.is_alive(i) && w.rows.leads(i)) {
-      grains_.share(w, grid, i, own);
+      grains_.share(w.rules, w.rows, grid, i, own);
       parts_.insert(parts_.end(), own.begin(), own.end());
     }
     begin_.push_back(parts_.size());
@@ -64,7 +65,7 @@ void GasShares::find(const PartView& w, const gas::Grid& grid) {
 void GasShares::give(const PartView& w, gas::FromGrains& to) const {
   for (Row i = 0; i < w.rows.n; ++i) {
     if (!reaches(i)) continue;
-    const GasGrain g = grains_.of(w, i);
+    const GasGrain g = grains_.of(w.rows, i);
     each(i, [&](std::size_t c, double volume, double) {
       to.solid[c] += volume;
       to.specific[c] += volume / (g.shape->sphericity * g.diameter);
@@ -106,7 +107,7 @@ void GasShares::weigh(const PartView& w, const GasSettings& s, const gas::Grid& 
   std::vector<double> sum(cells);
   for (Row i = 0; i < w.rows.n; ++i) {
     if (!reaches(i)) continue;
-    const GasGrain g = grains_.of(w, i);
+    const GasGrain g = grains_.of(w.rows, i);
     const double d = g.diameter, whole = det::k_pi / 6 * (d * d * d);
     for (std::size_t k = begin_[static_cast<std::size_t>(i)]; k < begin_[static_cast<std::size_t>(i) + 1]; ++k) {
       const auto c = static_cast<std::size_t>(parts_[k].first);
@@ -144,7 +145,7 @@ GasForce GasShares::force(const PartView& w, const gas::Grid& grid, const gas::F
 
 GasAtGrain GasShares::around(const PartView& w, const GasSettings& s, const gas::ToGrains& gas, Row i) const {
   GasAtGrain a;
-  const GasGrain g = grains_.of(w, i);
+  const GasGrain g = grains_.of(w.rows, i);
   const double d = g.diameter, ball = det::k_pi * (d * d), area = ball / g.shape->sphericity, whole = d * ball / 6;
   const Vec3 v = velocity(w, i);
   each(i, [&](std::size_t c, double volume, double weight) {
