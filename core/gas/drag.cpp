@@ -8,11 +8,19 @@ namespace talus::gas {
 
 namespace {
 
+constexpr double k_ln10 = 2.302585092994045684;
+
 double ergun(double e, double re) { return (150 * (1 - e) + 1.75 * re) / (18 * e * e); }
 
 double single_sphere(double re) { return re < 1000 ? 1 + 0.15 * det::pow(re, 0.687) : 0.44 / 24 * re; }
 
-double wen_yu(double e, double re) { return single_sphere(re) * det::pow(e, -3.65); }
+/// F of a grain alone by that of a sphere: C / K2 at K1 K2 Re, F = C Re / 24.
+template <class Sphere>
+double alone(const DragShape& s, double re, Sphere sphere) {
+  return sphere(s.stokes * s.newton * re) / s.stokes;
+}
+
+double wen_yu(double e, double re, const DragShape& s = {}) { return alone(s, re, single_sphere) * det::pow(e, -3.65); }
 
 /// Share of Wen and Yu: 0 below 0.7, 1 above 0.9.
 double dilute(double e) {
@@ -20,10 +28,15 @@ double dilute(double e) {
   return s * s * (3 - 2 * s);
 }
 
-double di_felice(double e, double re) {
-  const double r = fmax2(re, 1e-9), lg = 1.5 - det::log(r) / 2.302585092994045684;
-  const double root = 0.63 * __builtin_sqrt(r) + 4.8;  // C_d Re = root^2
-  return root * root / 24 * det::pow(e, -(3.7 - 0.65 * det::exp(-0.5 * lg * lg)));
+/// C_d Re / 24 of Dallavalle's sphere.
+double dallavalle(double re) {
+  const double root = 0.63 * __builtin_sqrt(re) + 4.8;
+  return root * root / 24;
+}
+
+double di_felice(double e, double re, const DragShape& s = {}) {
+  const double r = fmax2(re, 1e-9), lg = 1.5 - det::log(r) / k_ln10;
+  return alone(s, r, dallavalle) * det::pow(e, -(3.7 - 0.65 * det::exp(-0.5 * lg * lg)));
 }
 
 double beetstra(double e, double re) {
@@ -57,7 +70,13 @@ double bed_resistance(GasDrag law, double e, double d, double mu, double rho, do
   return 18 * mu * (1 - e) * drag_factor(law, e, rho * slip * d / mu) / (e * d * d);
 }
 
-double grain_drag(GasDrag law, double e, double own, double mean, double mu, double rho, double slip) noexcept {
+DragShape drag_shape(double psi) noexcept {
+  const double lg = -det::log(psi) / k_ln10;
+  return {psi, __builtin_sqrt(psi), lg > 0 ? det::pow(10, 1.8148 * det::pow(lg, 0.5743)) : 1.0};
+}
+
+double grain_drag(GasDrag law, double e, double own, double mean, double mu, double rho, double slip,
+                  const DragShape& shape) noexcept {
   const double stokes = 3 * det::k_pi * mu * own * e, y = own / mean;
   const double re_own = rho * slip * own / mu, re_mean = rho * slip * mean / mu;
   switch (law) {
@@ -66,10 +85,10 @@ double grain_drag(GasDrag law, double e, double own, double mean, double mu, dou
     case GasDrag::gidaspow: {
       const double w = dilute(e);
       const double dense = w < 1 ? (1 - w) * y * y * ergun(e, re_mean) : 0;
-      return stokes * (dense + (w > 0 ? w * wen_yu(e, re_own) : 0));
+      return stokes * (dense + (w > 0 ? w * wen_yu(e, re_own, shape) : 0));
     }
     case GasDrag::di_felice:
-      return stokes * di_felice(e, re_own);
+      return stokes * di_felice(e, re_own, shape);
     case GasDrag::beetstra:
       // van der Hoef et al. (2005): share of a size in the drag of a mixture
       return stokes * ((1 - e) * y * y + e * y) * beetstra(e, re_mean);

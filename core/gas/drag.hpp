@@ -17,11 +17,21 @@ double drag_factor(GasDrag law, double porosity, double re) noexcept;
 double bed_resistance(GasDrag law, double porosity, double diameter, double viscosity, double density,
                       double slip) noexcept;
 
-/// Of a grain of `own` diameter in a bed of Sauter diameter `mean`: drag / (gas - grain velocity) [kg/s]. Ergun's part
-/// goes by the volume of the grain (it holds for the bed as a whole), the others by its own diameter. `slip`:
-/// superficial [m/s].
-double grain_drag(GasDrag law, double porosity, double own, double mean, double viscosity, double density,
-                  double slip) noexcept;
+/// A grain's shape as its drag sees it. Alone in the gas a grain of drag coefficient C(Re), Re with the diameter of the
+/// sphere of its volume, has C / newton = that of a sphere at stokes * newton * Re (Ganser 1993: K1, K2).
+struct DragShape {
+  double sphericity = 1;  ///< surface of the sphere of its volume / its own
+  double stokes = 1, newton = 1;
+};
+/// K1 = 1 / (d_n / (3 d_v) + 2 / (3 sqrt(psi))) with d_n of the mean shadow of a convex body, a quarter of its surface
+/// (Cauchy): K1 = sqrt(psi). lg K2 = 1.8148 (-lg psi)^0.5743. A sphericity of 1 gives a sphere, to the bit.
+DragShape drag_shape(double sphericity) noexcept;
+
+/// Of a grain whose volume is that of a sphere of diameter `own`, in a bed of Sauter diameter `mean` (6 volumes over
+/// surfaces): drag / (gas - grain velocity) [kg/s]. Ergun's part goes by the volume of the grain (it holds for the bed
+/// as a whole), the others by its own diameter and shape; beetstra knows spheres alone. `slip`: superficial [m/s].
+double grain_drag(GasDrag law, double porosity, double own, double mean, double viscosity, double density, double slip,
+                  const DragShape& shape = {}) noexcept;
 
 /// Nusselt number of a grain [-]. Gunn (1978), Whitaker (1972), Ranz and Marshall (1952), Wakao (1979).
 double nusselt(GasNusselt law, double porosity, double re, double prandtl) noexcept;

@@ -54,11 +54,15 @@ Cuts cuts_of(double lower, double h, int n, bool periodic, double x, double r) {
 }  // namespace
 
 void share(const Grid& g, Vec3 x, double r, std::vector<std::pair<int, double>>& parts) {
+  share(g, x, {r, r, r}, parts);
+}
+
+void share(const Grid& g, Vec3 x, Vec3 reach, std::vector<std::pair<int, double>>& parts) {
   parts.clear();
   Cuts c[3];
   for (int k = 0; k < 3; ++k) {
     const auto q = static_cast<std::size_t>(k);
-    c[k] = cuts_of(g.lower[k], g.h[k], g.n[q], g.periodic[q], x[k], r);
+    c[k] = cuts_of(g.lower[k], g.h[k], g.n[q], g.periodic[q], x[k], reach[k]);
     if (c[k].count < 1) return;
   }
   const auto wrapped = [&](int k, int place) {
@@ -68,7 +72,7 @@ void share(const Grid& g, Vec3 x, double r, std::vector<std::pair<int, double>>&
   const auto is_whole = [](const Cuts& q) { return q.at[0] <= -1 && q.at[1] >= 1; };
   if (c[0].count == 1 && c[1].count == 1 && c[2].count == 1 && is_whole(c[0]) && is_whole(c[1]) && is_whole(c[2])) {
     parts.emplace_back(g.index(wrapped(0, c[0].first), wrapped(1, c[1].first), wrapped(2, c[2].first)),
-                       4 * det::k_pi / 3 * (r * r * r));
+                       4 * det::k_pi / 3 * (reach.x * reach.y * reach.z));
     return;
   }
   double beyond[2][k_planes][k_planes];  // of two planes on the third axis
@@ -87,7 +91,7 @@ void share(const Grid& g, Vec3 x, double r, std::vector<std::pair<int, double>>&
         if (v > 0)
           parts.emplace_back(
               g.index(wrapped(0, c[0].first + i), wrapped(1, c[1].first + j), wrapped(2, c[2].first + k)),
-              v * (r * r * r));
+              v * (reach.x * reach.y * reach.z));
       }
   }
 }

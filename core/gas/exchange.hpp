@@ -14,7 +14,7 @@ namespace talus::gas {
 /// Of the grains, summed over cells by the share of their volume that lies in each.
 struct FromGrains {
   std::vector<double> solid;         ///< volume of grains [m3]
-  std::vector<double> specific;      ///< their volume / diameter, summed: gives the Sauter diameter [m2]
+  std::vector<double> specific;      ///< a sixth of their surface: gives the Sauter diameter [m2]
   std::vector<double> drag_factor;   ///< drag by their own sizes and velocities / that of the bed's law [-]
   std::vector<Vec3> moment;          ///< volume times velocity, each grain by its share in the drag [m4/s]
   std::vector<double> conductance;   ///< h A to the gas [W/K]
@@ -44,5 +44,7 @@ struct ToGrains {
 /// grid. Cells are not smaller than r / 3.
 inline constexpr double k_smallest_cell = 1.0 / 3;  ///< of the largest radius
 void share(const Grid& grid, Vec3 x, double r, std::vector<std::pair<int, double>>& parts);
+/// The same of an ellipsoid that lies along the axes of the grid, `reach`: its semi-axes [m].
+void share(const Grid& grid, Vec3 x, Vec3 reach, std::vector<std::pair<int, double>>& parts);
 
 }  // namespace talus::gas

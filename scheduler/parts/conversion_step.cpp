@@ -123,7 +123,7 @@ void Conversion::exchanged(const PartView& w, const Kind& kind, Row i, std::size
   const GasSteam steam = cells->steam(i);
   if (!(steam.mass > 0)) return;
   const double dew = 1 / (1 / outermost(kind, i) - det::log(steam.above) / slope_of(m));
-  b.at(k_in_condensing, k) = steam.mass;
+  b.at(k_in_condensing, k) = steam.mass / number;
   b.at(k_in_dew, k) = fmin2(dew, m.boiling);
   b.at(k_in_dew_heat, k) = steam.enthalpy + (m.evaporation - m.vapour_to_cells);
 }
@@ -160,7 +160,7 @@ void Conversion::take(const Kind& kind, double number, Row i, const double* out,
                   m.blows != 0 ? row(next_, i)[bed_row(m).carried] : 0.0},
                  number));
   outside_[static_cast<std::size_t>(i)] = of(k_out_outside);
-  condensed_[static_cast<std::size_t>(i)] = of(k_out_condensed);
+  condensed_[static_cast<std::size_t>(i)] = number * of(k_out_condensed);
 }
 
 /// Heat must not take less time through a shell that still holds fuel than a step: bed_step.hpp. Grains shrink and
@@ -253,13 +253,13 @@ std::vector<GasUptake> Conversion::uptakes(const PartView& w, const GasCells& ga
       if (!burns && !wets) continue;
       const SurroundingsOverTime& a = kind->job->around;
       const GasNear g = gas.near(i);
-      const double r = w.rows.p[4L * i + 3], surface = shown_[k_shown_surface][at];
+      const double r = radius_of(w.rows, i), number = number_of(w.rows, i), surface = shown_[k_shown_surface][at];
       const Film f = film_of(a.gas, a.law, 2 * r, g.slip, g.temperature, surface, a.pressure);
       const double density = gas_density(0.5 * (g.temperature + surface), a.pressure, a.gas.molar);
-      const double through = (f.mass * g.film / f.heat) * (4 * det::k_pi * (r * r)) * density;
+      const double through = number * (f.mass * g.film / f.heat) * (4 * det::k_pi * (r * r)) * density;
       if (burns)
         most[at].oxidant =
-            k_uptake_more * kind->shares * (f.mass * g.film / f.heat) * (4 * det::k_pi * (r * r)) * density;
+            number * (k_uptake_more * kind->shares * (f.mass * g.film / f.heat) * (4 * det::k_pi * (r * r)) * density);
       if (wets) most[at].vapour = through, most[at].saturation = saturated;
     }
   });

@@ -18,7 +18,6 @@
 #include "scheduler/parts/doors.hpp"
 #include "scheduler/parts/gas_coupling.hpp"
 #include "scheduler/parts/gas_report.hpp"
-#include "scheduler/team/pools.hpp"
 
 namespace talus {
 
@@ -40,6 +39,7 @@ class GasPart final : public Part, public GasCells {
   explicit GasPart(const Rules& rules)
       : scene_(rules.scene),
         gas_(rules.scene.gas, wrapped_axes(rules.scene), rules.scene.gravity),
+        grains_(rules.scene),
         thermal_(rules.scene.heat.on) {
     if (thermal_ && scene_.gas.every != scene_.heat.every)
       throw Error(ErrorCode::scene, "gas.every must be heat.every", scene_.file, "the same number of steps");
@@ -119,17 +119,18 @@ class GasPart final : public Part, public GasCells {
   double step_limit(const PartView& w) const override {
     const double e = 0.4, rho = scene_.gas.pressure / (287 * scene_.gas.temperature);
     const double mu = gas::viscosity(scene_.gas.temperature);
-    const auto allowed = [&](double mass, double d) {
-      return k_most_drag * mass / gas::grain_drag(scene_.gas.drag, e, d, d, mu, rho, 0);
+    const auto allowed = [&](double mass, GasGrain g) {
+      const double mean = g.shape->sphericity * g.diameter;
+      return k_most_drag * mass / gas::grain_drag(scene_.gas.drag, e, g.diameter, mean, mu, rho, 0, *g.shape);
     };
     double most = k_never;  // held grains do not move; one that is released later is judged at the next gas step
     for (Row i = 0; i < w.rows.n; ++i)
-      if (w.rows.is_alive(i) && velocity_of(w.rows, i).inverse_mass > 0)
-        most = fmin2(most, allowed(mass_of(w.rules, w.rows, i), 2 * w.rows.p[4L * i + 3]));
+      if (w.rows.is_alive(i) && w.rows.leads(i) && velocity_of(w.rows, i).inverse_mass > 0)
+        most = fmin2(most, allowed(mass_of(w.rules, w.rows, i), grains_.of(w.rows, i)));
     for (const Source& s : scene_.sources) {
       if (s.kind == Source::Kind::file) continue;  // its grains are there
-      const double d = s.size.smallest(), density = scene_.materials[static_cast<std::size_t>(s.material)].density;
-      most = fmin2(most, allowed(density * det::k_pi / 6 * (d * d * d), d));
+      const double d = s.size.smallest(), density = density_of(s);
+      most = fmin2(most, allowed(density * det::k_pi / 6 * (d * d * d), grains_.of(s, d)));
     }
     return most;
   }
@@ -138,6 +139,7 @@ class GasPart final : public Part, public GasCells {
     return gas_values(gas_, scene_, axis(), total_force(w));
   }
 
+  std::vector<std::string> advice(const PartView&) const override { return grains_.advice(); }
   std::vector<PartConcern> concerns() override { return std::exchange(concerns_, {}); }
 
   // --- what other parts see of it ---
@@ -189,7 +191,7 @@ class GasPart final : public Part, public GasCells {
   };
 
   gas::FromGrains grains_in_cells(const PartView& w) const {
-    GasShares shares;
+    GasShares shares(grains_);
     gas::FromGrains from(gas_.grid().cells());
     shares.find(w, gas_.grid());
     shares.give(w, from);
@@ -198,21 +200,13 @@ class GasPart final : public Part, public GasCells {
 
   int axis() const { return scene_.gas.inlets.empty() ? 2 : gas::axis_of(scene_.gas.inlets.front().side); }
 
-  static Vec3 force_of(const GasForce& g, const double* v) {
-    return {g.drag * (g.gas.x - v[0]) + g.push.x, g.drag * (g.gas.y - v[1]) + g.push.y,
-            g.drag * (g.gas.z - v[2]) + g.push.z};
+  void push(const PartView& w, const Chunk& c) {
+    if (gas_.started() && w.clock.step >= scene_.relax.steps) push_grains(w, c, force_);
   }
 
-  void push(const PartView& w, const Chunk& c) {
-    if (!gas_.started() || w.clock.step < scene_.relax.steps) return;
-    const auto stride = static_cast<long>(w.rows.stride);
-    double* f = c.scratch->f.data();
-    for (Row i = c.lo; i < c.hi; ++i, f += stride) {
-      const Vec3 q = force_of(row_of<GasForce>(force_, i), w.rows.v.data() + stride * i);
-      f[0] = f[0] + q.x;
-      f[1] = f[1] + q.y;
-      f[2] = f[2] + q.z;
-    }
+  double density_of(const Source& s) const {
+    const Material& m = scene_.materials[static_cast<std::size_t>(s.material)];
+    return s.shape < 0 ? m.density : scene_.shapes[static_cast<std::size_t>(s.shape)].body->density_of(m);
   }
 
   /// Sum of of(row) over the living, in blocks of 1024 rows (I3).
@@ -232,10 +226,9 @@ class GasPart final : public Part, public GasCells {
   void add_work(const PartView& w) {
     work_before_ = work_;
     if (!gas_.started() || w.clock.step < scene_.relax.steps) return;
-    const auto stride = static_cast<long>(w.rows.stride);
     const double power = sum_rows(w.rows, [&](Row i) {
-      const double *u = w.rows.v2.data() + stride * i, *v = w.rows.v.data() + stride * i;
-      const Vec3 f = force_of(row_of<GasForce>(force_, i), u);
+      const double *u = velocity_of(w.rows, i, true).v, *v = velocity_of(w.rows, i).v;
+      const Vec3 f = row_of<GasForce>(force_, i).at(u);
       return 0.5 * (f.x * (u[0] + v[0]) + f.y * (u[1] + v[1]) + f.z * (u[2] + v[2]));
     });
     work_.done += 0.5 * scene_.dt * (work_.power + power);
@@ -257,7 +250,7 @@ class GasPart final : public Part, public GasCells {
     gas_step_ = w.clock.step;
     for (Row i = 0; i < w.rows.n; ++i) {
       set_row(force_, i, GasForce{});  // of the dead, too: the buffer holds what was two gas steps ago
-      if (!w.rows.is_alive(i)) continue;
+      if (!w.rows.is_alive(i) || !w.rows.leads(i)) continue;
       const GasForce f = shares_.force(w, gas_.grid(), from_, gas_.fields(), i);
       check_drag(w, i, f.drag);
       set_row(force_, i, f);
@@ -279,7 +272,7 @@ class GasPart final : public Part, public GasCells {
     const auto* grains = part_as<GrainHeat>(w.parts);
     const auto* inside = part_as<GrainInside>(w.parts);
     for (Row i = 0; i < w.rows.n; ++i) {
-      if (!w.rows.is_alive(i)) continue;
+      if (!w.rows.is_alive(i) || !w.rows.leads(i)) continue;
       const auto at = static_cast<std::size_t>(i);
       const double t = grains->temperature()[at];
       GasAtGrain a = shares_.around(w, scene_.gas, gas_.fields(), i);
@@ -318,17 +311,16 @@ class GasPart final : public Part, public GasCells {
   Vec3 total_force(const PartView& w) const {
     Vec3 total;
     if (!gas_.started()) return total;
-    const auto stride = static_cast<long>(w.rows.stride);
     for (int k = 0; k < 3; ++k)
-      total[k] = sum_rows(
-          w.rows, [&](Row i) { return force_of(row_of<GasForce>(force_, i), w.rows.v.data() + stride * i)[k]; });
+      total[k] = sum_rows(w.rows, [&](Row i) { return row_of<GasForce>(force_, i).at(velocity_of(w.rows, i).v)[k]; });
     return total;
   }
 
   const Scene& scene_;
   gas::Gas gas_;
   gas::FromGrains from_;
-  GasShares shares_;
+  const GasGrains grains_;
+  GasShares shares_{grains_};
   GasMatter matter_{gas_, shares_, scene_.dt* static_cast<double>(scene_.gas.every)};
   const bool thermal_;
   Column<double> force_, next_;  ///< GasForce of this and the last gas step

@@ -6,32 +6,56 @@
 #include "core/base/det_math.hpp"
 #include "core/gas/drag.hpp"
 #include "core/gas/species.hpp"
+#include "scheduler/team/pools.hpp"
 
 namespace talus {
 
 namespace {
 
-double radius_of(const PartView& w, Row i) { return w.rows.p[4L * i + 3]; }
-
-Vec3 velocity_of(const PartView& w, Row i) {
-  const double* v = w.rows.v.data() + static_cast<long>(w.rows.stride) * i;
+Vec3 velocity(const PartView& w, Row i) {
+  const double* v = velocity_of(w.rows, i).v;
   return {v[0], v[1], v[2]};
 }
 
-Vec3 place_of(const PartView& w, Row i) {
-  const double* p = w.rows.p.data() + 4L * i;
-  return Vec3{p[0], p[1], p[2]} + w.rules.scene.domain.lower;
+void add_force(double* to, Vec3 force) {
+  to[0] = to[0] + force.x;
+  to[1] = to[1] + force.y;
+  to[2] = to[2] + force.z;
+}
+
+/// Of a body by its first row; where that lies off the centre, with the torque that moves the force there.
+void push_bodies(const PartView& w, const Chunk& c, const Column<double>& force) {
+  const auto stride = static_cast<long>(w.rows.stride);
+  double* f = c.scratch->f.data();
+  for (Row i = c.lo; i < c.hi; ++i, f += stride) {
+    if (!w.rows.leads(i)) continue;
+    const Vec3 q = row_of<GasForce>(force, i).at(velocity_of(w.rows, i).v);
+    add_force(f, q);
+    const std::int32_t b = w.rows.body_of(i);
+    if (b < 0 || shape_of(w.rules, w.rows.bodies, b).spheres.size() == 1) continue;
+    const Vec3 back = (-1 / w.rows.p[4L * i + 3]) *
+                      cross(arm_of_first(w.rules, w.rows.bodies, b), q);  // lanes: over the sphere's radius
+    add_force(f + 4, back);
+  }
 }
 
 }  // namespace
+
+void push_grains(const PartView& w, const Chunk& c, const Column<double>& force) {
+  if (w.rows.bodies.in) return push_bodies(w, c, force);
+  const auto stride = static_cast<long>(w.rows.stride);
+  double* f = c.scratch->f.data();
+  for (Row i = c.lo; i < c.hi; ++i, f += stride)
+    add_force(f, row_of<GasForce>(force, i).at(w.rows.v.data() + stride * i));
+}
 
 void GasShares::find(const PartView& w, const gas::Grid& grid) {
   begin_.assign(1, 0);
   parts_.clear();
   std::vector<std::pair<int, double>> own;
   for (Row i = 0; i < w.rows.n; ++i) {
-    if (w.rows.is_alive(i)) {
-      gas::share(grid, place_of(w, i), radius_of(w, i), own);
+    if (w.rows.is_alive(i) && w.rows.leads(i)) {
+      grains_.share(w.rules, w.rows, grid, i, own);
       parts_.insert(parts_.end(), own.begin(), own.end());
     }
     begin_.push_back(parts_.size());
@@ -39,11 +63,14 @@ void GasShares::find(const PartView& w, const gas::Grid& grid) {
 }
 
 void GasShares::give(const PartView& w, gas::FromGrains& to) const {
-  for (Row i = 0; i < w.rows.n; ++i)
+  for (Row i = 0; i < w.rows.n; ++i) {
+    if (!reaches(i)) continue;
+    const GasGrain g = grains_.of(w.rows, i);
     each(i, [&](std::size_t c, double volume, double) {
       to.solid[c] += volume;
-      to.specific[c] += volume / (2 * radius_of(w, i));
+      to.specific[c] += volume / (g.shape->sphericity * g.diameter);
     });
+  }
 }
 
 namespace {
@@ -71,7 +98,7 @@ void GasShares::weigh(const PartView& w, const GasSettings& s, const gas::Grid& 
   const std::size_t cells = to.solid.size();
   std::vector<Vec3> moment(cells);
   for (Row i = 0; i < w.rows.n; ++i)
-    each(i, [&](std::size_t c, double volume, double) { moment[c] = moment[c] + volume * velocity_of(w, i); });
+    each(i, [&](std::size_t c, double volume, double) { moment[c] = moment[c] + volume * velocity(w, i); });
   std::vector<CellDrag> bed(cells);
   for (std::size_t c = 0; c < cells; ++c)
     if (to.solid[c] > 0)
@@ -79,17 +106,20 @@ void GasShares::weigh(const PartView& w, const GasSettings& s, const gas::Grid& 
   weight_.assign(parts_.size(), 1);
   std::vector<double> sum(cells);
   for (Row i = 0; i < w.rows.n; ++i) {
-    const double d = 2 * radius_of(w, i), whole = det::k_pi / 6 * (d * d * d);
+    if (!reaches(i)) continue;
+    const GasGrain g = grains_.of(w.rows, i);
+    const double d = g.diameter, whole = det::k_pi / 6 * (d * d * d);
     for (std::size_t k = begin_[static_cast<std::size_t>(i)]; k < begin_[static_cast<std::size_t>(i) + 1]; ++k) {
       const auto c = static_cast<std::size_t>(parts_[k].first);
       const CellDrag& b = bed[c];
       if (b.per_volume > 0) {
-        const double slip = norm(gas.velocity[c] - b.porosity * velocity_of(w, i));
-        const double own = gas::grain_drag(s.drag, b.porosity, d, b.diameter, gas.viscosity[c], gas.density[c], slip);
+        const double slip = norm(gas.velocity[c] - b.porosity * velocity(w, i));
+        const double own =
+            gas::grain_drag(s.drag, b.porosity, d, b.diameter, gas.viscosity[c], gas.density[c], slip, *g.shape);
         weight_[k] = own / (whole * b.per_volume);
       }
       sum[c] += parts_[k].second * weight_[k];
-      to.moment[c] = to.moment[c] + (parts_[k].second * weight_[k]) * velocity_of(w, i);
+      to.moment[c] = to.moment[c] + (parts_[k].second * weight_[k]) * velocity(w, i);
     }
   }
   for (std::size_t c = 0; c < cells; ++c)
@@ -115,8 +145,9 @@ GasForce GasShares::force(const PartView& w, const gas::Grid& grid, const gas::F
 
 GasAtGrain GasShares::around(const PartView& w, const GasSettings& s, const gas::ToGrains& gas, Row i) const {
   GasAtGrain a;
-  const double d = 2 * radius_of(w, i), area = det::k_pi * (d * d), whole = d * area / 6;
-  const Vec3 v = velocity_of(w, i);
+  const GasGrain g = grains_.of(w.rows, i);
+  const double d = g.diameter, ball = det::k_pi * (d * d), area = ball / g.shape->sphericity, whole = d * ball / 6;
+  const Vec3 v = velocity(w, i);
   each(i, [&](std::size_t c, double volume, double weight) {
     const double e = gas.porosity[c], slip = norm(gas.velocity[c] - e * v);
     const double re = gas.density[c] * slip * d / gas.viscosity[c];

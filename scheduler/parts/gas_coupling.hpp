@@ -8,6 +8,7 @@
 
 #include "core/gas/gas.hpp"
 #include "scheduler/parts/doors.hpp"
+#include "scheduler/parts/gas_bodies.hpp"
 
 namespace talus {
 
@@ -16,6 +17,10 @@ struct GasForce {
   double drag = 0;  ///< [kg/s]
   Vec3 gas;         ///< velocity of the gas between the grains [m/s]
   Vec3 push;        ///< volume times falling pressure [N]
+  /// On a grain of this velocity [N].
+  Vec3 at(const double* v) const {
+    return {drag * (gas.x - v[0]) + push.x, drag * (gas.y - v[1]) + push.y, drag * (gas.z - v[2]) + push.z};
+  }
 };
 
 /// The gas around a grain at the begin of a gas step.
@@ -39,9 +44,14 @@ void set_row(Column<double>& column, Row i, const T& t) {
   std::memcpy(column.data() + static_cast<long>(k_width<T>) * i, &t, sizeof t);
 }
 
-/// Parts of the grains in the cells, row after row.
+/// Adds the forces of a column of GasForce to the force rows of a chunk, those of bodies at their centres.
+void push_grains(const PartView& w, const Chunk& c, const Column<double>& force);
+
+/// Parts of the grains in the cells, row after row; rows of a body behind its first one have none.
 class GasShares {
  public:
+  /// `grains` outlives it.
+  explicit GasShares(const GasGrains& grains) : grains_(grains) {}
   /// Of the living rows.
   void find(const PartView& w, const gas::Grid& grid);
   /// Volume and size of the grains into `to`.
@@ -54,6 +64,7 @@ class GasShares {
   GasForce force(const PartView& w, const gas::Grid& grid, const gas::FromGrains& from, const gas::ToGrains& gas,
                  Row i) const;
   GasAtGrain around(const PartView& w, const GasSettings& s, const gas::ToGrains& gas, Row i) const;
+  bool reaches(Row i) const { return begin_[static_cast<std::size_t>(i)] < begin_[static_cast<std::size_t>(i) + 1]; }
   /// Calls add(cell, volume in it, share of what lies in the grid) for each cell of row i.
   template <class Add>
   void each(Row i, const Add& add) const {
@@ -65,6 +76,7 @@ class GasShares {
   }
 
  private:
+  const GasGrains& grains_;
   std::vector<std::size_t> begin_;             ///< [rows + 1]
   std::vector<std::pair<int, double>> parts_;  ///< cell, volume of the grain in it [m3]
   std::vector<double> weight_;                 ///< of parts: own drag per volume / that of the cell's law [-]

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double k_saturated = 1.05;       // the law of saturation is known to some per cent
 constexpr double k_pressure_change = 0.1;  // by which water boils 3 K off
+constexpr double k_full = 1 + 1e-9;        // of a cell: rounding
 
 constexpr auto k_steam = static_cast<std::size_t>(GasSpecies::h2o);
 
@@ -68,6 +69,25 @@ void add_pressure(const gas::Gas& gas, const Scene& scene, std::vector<PartConce
        change, k_pressure_change, 1});
 }
 
+/// More than there is room for: forms of bodies in small cells, deep overlaps.
+void add_solid(const gas::Gas& gas, const gas::FromGrains& from, std::vector<PartConcern>& all) {
+  const double room = gas.grid().volume;
+  double worst = k_full * room;
+  int cell = -1, cells = 0;
+  for (std::size_t c = 0; c < from.solid.size(); ++c) {
+    cells += from.solid[c] > k_full * room;
+    if (from.solid[c] > worst) worst = from.solid[c], cell = static_cast<int>(c);
+  }
+  if (cell < 0) return;
+  const Vec3 x = gas.grid().middle(cell);
+  all.push_back(
+      {"solid",
+       fmt::format("the cell of the gas at ({:.4g}, {:.4g}, {:.4g}) m gets {:.4g} of its volume of grains: it "
+                   "counts as gas.least_porosity; larger cells",
+                   x.x, x.y, x.z, worst / room),
+       worst / room, 1, cells});
+}
+
 }  // namespace
 
 std::vector<PartValue> gas_values(const gas::Gas& gas, const Scene& scene, int axis, Vec3 force) {
@@ -120,6 +140,7 @@ std::vector<PartConcern> gas_concerns(const gas::Gas& gas, const Scene& scene, c
   }
   add_temperature(gas, all);
   add_pressure(gas, scene, all);
+  add_solid(gas, from, all);
   return all;
 }
 

@@ -17,8 +17,11 @@ bool acts_later(const Source& s) {
   return s.kind == Source::Kind::stream || (s.kind != Source::Kind::file && s.start > 0);
 }
 
-/// Normal forces turn superquadrics: they have the law with friction, if need be with a friction of zero.
-bool rotates(const Scene& scene) { return scene.contact.friction || makes_superquadrics(scene); }
+/// Normal forces turn superquadrics, and the gas acts on the centre of a clump by a force and a torque on its first
+/// sphere: they have the law with friction, if need be with a friction of zero.
+bool rotates(const Scene& scene) {
+  return scene.contact.friction || makes_superquadrics(scene) || (scene.gas.on && makes_bodies(scene));
+}
 
 /// What the scene needs, but for walls and what is added to the law.
 void set_features(Rules& rules, bool any_fixed) {

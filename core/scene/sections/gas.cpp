@@ -23,7 +23,8 @@ const Keys<GasSettings> k_gas(
         other_key<GasSettings>(
             "cells", KeyType::cells, "-", {1, 1000},
             "cells per axis, with edges of two to four grain diameters and at least a third of the "
-            "largest radius. Grains share their volume exactly among the cells they meet. Frames "
+            "largest radius. Grains share their volume exactly among the cells they meet; clumps by their spheres, "
+            "superquadrics by the ellipsoid along the axes that reaches as far, both scaled to their volume. Frames "
             "gain gas.pvd, the series gas.mass_in and gas.mass_out [kg] through the sides, "
             "gas.mass_residual, gas.element_residual [kg] and gas.enthalpy_residual [J] (stored less "
             "start, passed and the work of pressure), gas.pressure [Pa] (mean), gas.pressure_work [J] (void times "
@@ -45,12 +46,15 @@ const Keys<GasSettings> k_gas(
             "drag on the grains, beside the force of the pressure gradient: ergun (dense beds only), gidaspow (ergun "
             "below "
             "a porosity of 0.7, Wen and Yu above 0.9, a smooth step between), di_felice, beetstra (porosity 0.4 to "
-            "0.9). What the gas loses and what grains get is one sum in each cell: forces on all grains are pressure "
+            "0.9). Of bodies that are no spheres Ergun sees 6 volumes over surface, the others the sphere of equal "
+            "volume with Ganser's (1993) factors of the sphericity where a grain is alone; beetstra is for spheres. "
+            "What the gas loses and what grains get is one sum in each cell: forces on all grains are pressure "
             "drop times area, less the weight of the gas and what cells above most_porosity resist",
             "\"di_felice\""),
         key("nusselt", &GasSettings::nusselt,
             "heat transfer to grains, which have temperatures beside [heat]; every must be heat.every then. Mass goes "
-            "with it. The series gains gas.enthalpy [J], gas.heat_from_grains [J], beside [conversion] "
+            "with it. Bodies that are no spheres: the law of the sphere of equal volume, on their true surface. The "
+            "series gains gas.enthalpy [J], gas.heat_from_grains [J], beside [conversion] "
             "gas.mass_from_grains [kg], gas.enthalpy_from_grains [J]",
             "\"whitaker\"")
             .with("[heat]\ntemperature = 300\ncapacity = 800\nconductivity = 1\nevery = 100\n"),

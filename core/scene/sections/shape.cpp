@@ -180,7 +180,10 @@ void read(const SceneTable& root, Scene& scene) {
   if (!scene.output.regions.empty()) output.fail("region", refused);
   if (scene.tracer_rate >= 0) root.fail("tracer", refused);
   if (scene.heat.on) refuse_heat_of_bodies(root, scene);
-  if (scene.gas.on) root.fail("gas", refused);
+  if (scene.gas.on && scene.gas.drag == GasDrag::beetstra)
+    root.section("gas").fail("drag",
+                             "beetstra was fitted to spheres: beside bodies that are no spheres ergun, gidaspow or "
+                             "di_felice");
   if (makes_superquadrics(scene)) refuse_beside_superquadrics(root, scene);
 }
 
