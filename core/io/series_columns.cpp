@@ -80,9 +80,9 @@ constexpr SeriesQuantity<SeriesRow> k_run[] = {
 };
 
 constexpr SeriesQuantity<WallLoad> k_walls[] = {
-    {"wall.<wall>.force_{x,y,z}", "N", k_moment, "of all grains on the wall", load<&WallLoad::force>},
+    {"wall.<wall>.force_{x,y,z}", "N", k_moment, "of all grains on the wall that can move; beside [heat] of held ones, too", load<&WallLoad::force>},
     {"wall.<wall>.torque_{x,y,z}", "N m", k_moment,
-     "of all grains on the wall where the scene has it, about the coordinate origin", load<&WallLoad::torque>},
+     "of the same grains, on the wall where the scene has it, about the coordinate origin", load<&WallLoad::torque>},
 };
 
 constexpr SeriesQuantity<PlaneTotal> k_planes[] = {

@@ -85,6 +85,8 @@ Frame VtkHdfReader::frame(std::size_t k) const {
         values);
     q.take(f, std::move(values));
   }
+  // such a file holds the spheres of bodies, not how the bodies lie
+  f.bodies_missing = H5Lexists(m.file, "/VTKHDF/PointData/body", H5P_DEFAULT) > 0;
   return f;
 }
 

@@ -60,14 +60,9 @@ bool concerns(const Rules& rules, const Rows& rows, const Event& e, Row i) {
   if (e.group < 0) return true;
   const GroupSpec& g = rules.scene.groups[static_cast<std::size_t>(e.group)];
   if (rows.group[i] == e.group) return true;
-  if (g.fixed_in_file && (rows.fixed[i] & k_held_in_file) != 0) return true;
+  if (g.fixed_in_file && rows.in_file[i] != 0) return true;
   if (g.ids && rows.id[i] >= (*g.ids)[0] && rows.id[i] <= (*g.ids)[1]) return true;
   return g.region && inside(rules.scene.domain, *g.region, centre_of(rules, rows, i));
-}
-
-void hold(Rows& rows, Row i, bool held) {
-  const auto in_file = static_cast<std::uint8_t>(rows.fixed[i] & k_held_in_file);
-  rows.fixed[i] = static_cast<std::uint8_t>(in_file | (held ? k_held : 0));
 }
 
 /// A row that is released, or free and given a velocity, goes on from n with that of its first half step taken away.
@@ -102,7 +97,7 @@ void act_on_body(const Rules& rules, const Clock& clock, Rows& rows, const Event
   place_rows(rules, rows, b);
   if (!rules.has.fixed) return;
   const auto count = static_cast<Row>(shape_of(rules, bodies, b).spheres.size());
-  for (Row k = i; k < i + count; ++k) hold(rows, k, v[3] == 0);
+  for (Row k = i; k < i + count; ++k) rows.fixed[k] = v[3] == 0 ? 1 : 0;
 }
 
 /// Everything but removal and gravity.
@@ -118,14 +113,14 @@ void act_on_row(const Rules& rules, const Clock& clock, Rows& rows, const Event&
       else
         set_motion(rules, rows, i, e.vector, e.spin);
       inverse_mass = 0;
-      hold(rows, i, true);
+      rows.fixed[i] = 1;
       break;
     case Event::Action::release: {
       if (!rules.has.fixed || inverse_mass > 0) break;  // no such column: nothing was ever held
       const Vec3 u = carried(rules, clock, {v[0], v[1], v[2]}, true);
       for (int k = 0; k < 3; ++k) v[k] = u[k];
       inverse_mass = 1.0 / mass_of(rules, rows, i);
-      hold(rows, i, false);
+      rows.fixed[i] = 0;
       break;
     }
     case Event::Action::set_velocity:

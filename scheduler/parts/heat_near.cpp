@@ -28,7 +28,7 @@ NearGrid::NearGrid(const PartView& w, double reach, bool fixed_alone) {
                 0);
   std::vector<std::int32_t> of(static_cast<std::size_t>(w.rows.n), -1);
   for (Row i = 0; i < w.rows.n; ++i) {
-    if (!w.rows.is_alive(i) || (fixed_alone && (w.rows.fixed[i] & k_held) == 0)) continue;
+    if (!w.rows.is_alive(i) || (fixed_alone && w.rows.fixed[i] == 0)) continue;
     const auto c = cell_of(w.rows.p.data() + 4L * i);
     of[static_cast<std::size_t>(i)] = index(c[0], c[1], c[2]);
     ++first_[static_cast<std::size_t>(of[static_cast<std::size_t>(i)]) + 1];

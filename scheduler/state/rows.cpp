@@ -12,6 +12,13 @@
 #include "kernels/views.hpp"
 
 namespace talus {
+namespace {
+
+bool asks_for_file(const Scene& scene) {
+  return std::any_of(scene.groups.begin(), scene.groups.end(), [](const GroupSpec& g) { return g.fixed_in_file; });
+}
+
+}  // namespace
 
 Rows::Rows(const Rules& rules) : stride(rules.stride), bodies(rules) {
   const Features& h = rules.has;
@@ -45,6 +52,9 @@ Rows::Rows(const Rules& rules) : stride(rules.stride), bodies(rules) {
   ColumnInfo held = optional("fixed", h.fixed, "some particles are or become fixed", "nothing is fixed", 0);
   held.optional = true;  // an event that is new at a resume may be the first to need it
   columns.add(held, fixed);
+  columns.add(
+      optional("fixed in file", asks_for_file(rules.scene), "a group of what is fixed in its file", "no such group", 0),
+      in_file);
   columns.add(optional("group", h.groups, "scene.groups", "no groups", -1), group);
   columns.add(optional("body", h.bodies, "a source makes bodies", "no source makes bodies", -1), body);
 }
@@ -148,9 +158,7 @@ void append_particles(const Rules& rules, const Clock& clock, Rows& rows, const 
   // a grain born at step n carries v(n-1/2) = v - g dt/2
   const double half = clock.step == 0 ? 0.0 : 0.5 * rules.scene.dt;
   auto body = a.bodies.begin();
-  const auto& groups = rules.scene.groups;
-  const bool remembered = std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.fixed_in_file; });
-  const auto held = static_cast<std::uint8_t>(remembered ? k_held | k_held_in_file : k_held);
+  const bool remembered = asks_for_file(rules.scene);
   for (std::size_t q = 0; q < a.size(); ++q) {
     const Row i = first + static_cast<Row>(q);
     const Vec3 x = a.x[q] - rules.scene.domain.lower;
@@ -164,7 +172,8 @@ void append_particles(const Rules& rules, const Clock& clock, Rows& rows, const 
     rows.id[i] = rows.next_id++;
     if (rules.has.materials) rows.material[i] = a.material[q];
     const bool fixed = a.fixed[q] != 0;
-    if (rules.has.fixed) rows.fixed[i] = fixed ? held : 0;
+    if (rules.has.fixed) rows.fixed[i] = fixed ? 1 : 0;
+    if (remembered) rows.in_file[i] = fixed ? 1 : 0;
     if (rules.has.groups) rows.group[i] = a.group[q];
     const double m = Body{a.r[q], rules.scene.materials[rules.has.materials ? rows.material[i] : 0].density}.mass();
     const Vec3 v = fixed ? a.v[q] : a.v[q] - half * clock.gravity;

@@ -16,9 +16,6 @@ namespace talus {
 inline constexpr double k_gone = 1e150;  ///< coordinate of removed rows: touches nothing, stays finite
 inline constexpr double k_far = 1e100;   ///< present rows have smaller coordinates
 
-/// Bits of the column `fixed`: held or driven now; fixed in the file that it came from, when groups ask for that.
-inline constexpr std::uint8_t k_held = 1, k_held_in_file = 2;
-
 struct Rows {
   Row n = 0;
   Row alive = 0;
@@ -28,7 +25,8 @@ struct Rows {
   Column<double> v, v2;  ///< {v, 0 | r w, 1/m} or {v, 1/m}
   Column<ParticleId> id;
   Column<std::uint8_t> material;  ///< only with several materials
-  Column<std::uint8_t> fixed;     ///< k_held, k_held_in_file; only where something can be fixed
+  Column<std::uint8_t> fixed;     ///< held or driven now; only where something can be fixed
+  Column<std::uint8_t> in_file;   ///< it was fixed in its file; only where a group asks for that
   Column<std::int16_t> group;     ///< only with groups
   Column<std::int32_t> body;      ///< only with bodies: index of the body that a row belongs to, or -1
   Bodies bodies;

@@ -221,7 +221,7 @@ std::vector<std::int32_t> add_particles(const World& w, Frame& f) {
     f.r.push_back(x[3]);
     if (w.rows.resized && !w.rows.bodies.in) f.mass.push_back(mass_of(w.rules, w.rows, i));
     if (w.rules.has.materials) f.material.push_back(w.rows.material[i]);
-    if (w.rules.has.fixed) f.fixed.push_back(w.rows.fixed[i] & k_held);
+    if (w.rules.has.fixed) f.fixed.push_back(w.rows.fixed[i]);
   }
   if (w.rows.bodies.in) {  // the number of a body is that of its first sphere
     ExtraColumn body{"body", "", {}};

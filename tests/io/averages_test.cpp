@@ -63,6 +63,37 @@ TEST(Averages, VelocityTemperatureAndStressAreMassAndVolumeWeighted) {
   EXPECT_EQ(none.velocity.x, 0);
 }
 
+/// Edges and corners: where more than one side cuts a grain, its share is no product of slabs.
+TEST(Averages, BoxesCountTheExactOverlapAtEdgesAndInside) {
+  Frame f;
+  add(f, 0, {0.5, 0.5, 0.5}, 0.2);
+  const Scene s = box({0, 0, 0}, {1, 1, 1});
+  const auto share = [&](Vec3 lower, Vec3 upper) { return average_region(f, s, {lower, upper, 0}).particles; };
+  EXPECT_NEAR(average_region(f, s, {{0.45, 0.45, 0.45}, {0.55, 0.55, 0.55}, 0}).solid_fraction, 1, 1e-12);
+  // sides at 0.16 r: their edge is further than r from the centre
+  EXPECT_EQ(share({0.65, 0.65, 0}, {1, 1, 1}), 0);
+  EXPECT_NEAR(share({0.5, 0.5, 0}, {1, 1, 1}), 0.25, 1e-12);
+  // an edge at (a, b): the parts beyond and before it are those of one side
+  const double cap = share({0.62, 0, 0}, {1, 1, 1});
+  EXPECT_NEAR(share({0.62, 0.55, 0}, {1, 1, 1}) + share({0.62, 0, 0}, {1, 0.55, 1}), cap, 1e-12);
+  EXPECT_LT(share({0.62, 0.55, 0}, {1, 1, 1}), 0.9 * cap * share({0, 0.55, 0}, {1, 1, 1}));  // what slabs would give
+  const GridData g = average_grid(f, s, {10, 10, 10});  // cells smaller than the grain: full in its middle
+  const auto& fraction = std::get<0>(g.cell_data[0].values);
+  EXPECT_NEAR(fraction[555], 1, 1e-12);
+  EXPECT_EQ(fraction[666], 0) << "the nearest corner is 1.04 r away";
+}
+
+/// Where sizes change on their own, a frame says what its grains weigh.
+TEST(Averages, VelocitiesAreWeighedByTheMassOfTheFrame) {
+  Frame f;
+  add(f, 0, {0.2, 0.2, 0.2}, 0.1, {0, 0, 0});
+  add(f, 1, {0.7, 0.7, 0.7}, 0.15, {1, 0, 0});
+  f.mass = {2, 2};
+  const auto a = average_region(f, box({0, 0, 0}, {1, 1, 1}), {{0, 0, 0}, {1, 1, 1}, 0});
+  EXPECT_NEAR(a.velocity.x, 0.5, 1e-14);
+  EXPECT_NEAR(a.temperature, 0.25 / 3, 1e-14);
+}
+
 TEST(Averages, CylinderRegionCountsWhatIsInside) {
   Frame f;
   add(f, 0, {0, 0, 0.5}, 0.1);

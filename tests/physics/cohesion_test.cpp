@@ -107,6 +107,24 @@ TEST(PhysicsJkr, PullOffRuptureAndWorkOfTheLoopAreThoseOfTheTheory) {
   }
 }
 
+/// sigma V = l f: tension counts as tension though the force that pulls points along the branch.
+TEST(PhysicsJkr, StressOfAnAttractingPairIsTension) {
+  for (const double overlap : {1e-7, 8e-5}) {  // the neck pulls at zero overlap; pressed together it pushes
+    Scene s = jkr_scene(0.05, 0.3, 0, 1e-9);
+    s.output.stress = true;
+    s.allow_initial_overlap = true;
+    add_grains(s, {{{0.05, 0.05, 0.05}, {}, k_radius}, {{0.05 + 2 * k_radius - overlap, 0.05, 0.05}, {}, k_radius}});
+    Simulation sim(s, options());
+    sim.run(1);
+    const Frame f = sim.frame({.contacts = true, .stress = true});
+    ASSERT_EQ(f.contacts.size(), 1U);
+    const double pull = f.contacts[0].normal_force.x;  // on the left one: > 0 pulls
+    EXPECT_EQ(pull > 0, overlap < 1e-6) << pull;
+    const double arm = k_radius - 0.5 * f.contacts[0].overlap, volume = 4.0 / 3.0 * k_pi * std::pow(k_radius, 3);
+    for (const auto& sigma : f.stress) EXPECT_NEAR(sigma[0] / (arm * pull / volume), 1, 1e-12);
+  }
+}
+
 TEST(PhysicsJkr, OverlapAtRestUnderLoadSolvesThePapersEquations) {
   // A grain hangs below a ceiling's neck or is pressed onto the floor by its weight times `g / 9.81`.
   const double w = 0.05;

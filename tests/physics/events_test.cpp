@@ -73,6 +73,55 @@ TEST_P(EventTimes, FreeFlightBetweenEventsIsTheParabolaAtEveryStep) {
   }
 }
 
+/// Three grains of the group "bed"; the first is fixed in its file, the second is held by an event.
+Scene scene_of_groups() {
+  Scene s = open_scene({0, 0, 0}, {1, 1, 1}, k_dt);
+  linear_law(s, 1e3, 0);
+  add_grains(s, {{{0.2, 0.5, 0.5}, {}, 0.04, {}, 0, true}, {{0.5, 0.5, 0.5}, {}, 0.04}, {{0.8, 0.5, 0.5}, {}, 0.04}});
+  s.sources[0].group = 0;
+  s.groups.resize(3);
+  s.groups[0].name = "bed";
+  s.groups[1].name = "walls";
+  s.groups[1].fixed_in_file = true;
+  s.groups[2].name = "second";
+  s.groups[2].ids = {{1, 1}};
+  return s;
+}
+
+void add_event(Scene& s, Event::Action action, double time, int group, Vec3 velocity = {}) {
+  Event e;
+  e.action = action;
+  e.time = time;
+  e.group = group;
+  e.vector = velocity;
+  s.events.push_back(e);
+}
+
+TEST(EventGroups, FixedInFileMeansTheFileNotWhoeverIsHeldNow) {
+  Scene s = scene_of_groups();
+  add_event(s, Event::Action::freeze, 0, 2);
+  add_event(s, Event::Action::drive, 0.01, 1, {1, 0, 0});
+  Simulation sim(s, options());
+  sim.run(300);
+  const Frame f = sim.frame();
+  EXPECT_NEAR(f.x[0].x, 0.22, 1e-12);
+  EXPECT_EQ(f.x[1].x, 0.5) << "held, but not by its file";
+  EXPECT_EQ(f.x[2].x, 0.8);
+  EXPECT_EQ(f.fixed, (std::vector<std::uint8_t>{1, 1, 0}));
+}
+
+TEST(EventGroups, AFixedGrainBelongsToTheGroupOfItsSourceAsWell) {
+  Scene s = scene_of_groups();
+  add_event(s, Event::Action::freeze, 0, 2);
+  add_event(s, Event::Action::release, 0.01, 1);
+  add_event(s, Event::Action::remove, 0.02, 0);
+  Simulation sim(s, options());
+  sim.run(150);
+  EXPECT_EQ(sim.frame().fixed, (std::vector<std::uint8_t>{0, 1, 0}));
+  sim.run(150);
+  EXPECT_EQ(sim.particles(), 0);
+}
+
 INSTANTIATE_TEST_SUITE_P(Grains, EventTimes, ::testing::ValuesIn(k_kinds),
                          [](const auto& kind) { return kind.param.name; });
 

@@ -54,7 +54,10 @@ const Keys<WallSpec> k_wall(
         key("upper", &WallSpec::upper, "m", k_coordinate, "upper corner of the box", "[0.2, 0.2, 0.1]")
             .only("shape=box")
             .needed("box", "(required by box)"),
-        key("file", &WallSpec::file, "STL, OBJ or PLY file, relative to the scene", "\"silo.stl\"")
+        key("file", &WallSpec::file,
+            "STL, OBJ or PLY file, relative to the scene; grains keep their energy only roughly in folds that open "
+            "towards them, so a round wall is better a cylinder or cone",
+            "\"silo.stl\"")
             .only("shape=mesh")
             .needed("mesh", "(required by mesh)")
             .also({{"mesh", "wall"}, "stl"}),
@@ -88,7 +91,10 @@ const Keys<WallMotion> k_motion(
             .beside("frequency = 50"),
         key("frequency", &WallMotion::frequency, "Hz", k_not_negative, "frequency of the vibration", "50")
             .beside("amplitude = [0, 0, 0.0002]"),
-        key("phase", &WallMotion::phase, "turns", {-1, 1}, "phase of the vibration at its start; where it is not 0 the wall stands displaced by amplitude sin(2 pi phase) before", "0.25")
+        key("phase", &WallMotion::phase, "turns", {-1, 1},
+            "phase of the vibration at its start; where it is not 0 the wall stands displaced by amplitude sin(2 pi "
+            "phase) before",
+            "0.25")
             .beside("amplitude = [0, 0, 0.0002]\nfrequency = 50"),
         key("start", &WallMotion::start, "s", k_not_negative, "the motion begins", "0.1")
             .beside("velocity = [0.1, 0, 0]"),
