@@ -87,7 +87,8 @@ class Part {
   /// The longest time step that it allows [s]; infinite where it does not care.
   virtual double step_limit(const PartView&) const { return k_never; }
   /// It changes radius and mass of rows while they move; `sizes` then runs per chunk behind the integration and may
-  /// read rows of its chunk alone. Velocity and spin stay; a held row keeps its size; list skins count the growth.
+  /// read rows of its chunk alone. Velocity and spin stay; a held row keeps its size, or leaves; list skins count the
+  /// growth.
   virtual bool resizes() const { return false; }
   virtual void sizes(const PartView&, const Chunk&, const RowSizes&) const {}
   /// Its columns of the time series, of the present step. Their number and names never change in a run.

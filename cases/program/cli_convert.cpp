@@ -202,6 +202,9 @@ std::string left_out(const Frame& f, Format format) {
   if (other && !f.fixed.empty()) name("fixed");
   if (other && !f.coordination.empty()) name("coordination");
   if ((csv || other) && !f.stress.empty()) name("stress");
+  if (other)
+    for (const ExtraColumn& e : f.extra)
+      if (e.name != "body") name(e.name.c_str());
   if (!csv && !f.bodies.empty()) name("bodies: particles are their spheres");
   return list;
 }

@@ -7,6 +7,7 @@
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCholesky>
 
+#include "core/base/det_math.hpp"
 #include "core/base/error.hpp"
 #include "core/gas/drag.hpp"
 
@@ -88,12 +89,24 @@ struct FlowSolver::Impl {
   std::vector<Resistance> resistance;
   std::vector<double> slip, speed;  ///< of cells, half way between the last two iterations
   std::vector<double> outer_rho;    ///< of outer faces that are open to a pressure
+  std::vector<double> outside;      ///< pressure before them [Pa]
   std::vector<int> turns;           ///< how often the flow through an outer face has turned since the first iteration
 
   explicit Impl(const Grid& g) : grid(g), system(g), b(g.cells()), x(g.cells()) {
     resistance.resize(static_cast<std::size_t>(g.cells()));
     outer_rho.resize(g.outer.size());
+    outside.resize(g.outer.size());
     turns.resize(g.outer.size());
+  }
+
+  /// Outside an opening its gas is at rest: the given pressure at the lowest point of the grid, less its weight above.
+  void set_outside(const FlowInput& in) {
+    Vec3 low = grid.lower;
+    for (int k = 0; k < 3; ++k)
+      if (in.gravity[k] > 0) low[k] = grid.upper[k];
+    for (std::size_t k = 0; k < outside.size(); ++k)
+      if (const Opening& o = in.outer[k]; o.kind == Opening::Kind::pressure)
+        outside[k] = o.pressure * det::exp(dot(in.gravity, grid.outer[k].middle - low) / o.gas_constant_t);
   }
 
   Vec3 moved(const FlowInput& in, std::size_t c) const { return in.porosity[c] * in.solid_velocity[c]; }
@@ -152,7 +165,7 @@ struct FlowSolver::Impl {
   FaceLaw law_of(const FlowInput& in, const Flow& flow, const OuterFace& f, std::size_t k) const {
     const auto c = static_cast<std::size_t>(f.cell);
     const double sign = f.high ? 1 : -1;
-    const double mean = 0.5 * (flow.pressure[c] + in.outer[k].pressure);
+    const double mean = 0.5 * (flow.pressure[c] + outside[k]);
     const double within = in.gas_constant_t[c], without = in.outer[k].gas_constant_t;
     const double rho = mean / (turns[k] >= k_most_turns ? 0.5 * (within + without)
                                : flow.outer[k] < 0      ? without
@@ -186,7 +199,7 @@ struct FlowSolver::Impl {
       const FaceLaw l = law_of(in, flow, f, k);
       const double g = l.rho * grid.area[static_cast<std::size_t>(f.axis)] / l.r, to = g / (0.5 * grid.h[f.axis]);
       system.add_diagonal(f.cell, to);
-      b[f.cell] += to * (o.pressure - in.reference) - g * l.push;
+      b[f.cell] += to * (outside[k] - in.reference) - g * l.push;
     }
   }
 
@@ -212,7 +225,7 @@ struct FlowSolver::Impl {
         flow.outer[k] = -o.flux / (rho * area);
       } else {
         const FaceLaw l = law_of(in, before, f, k);
-        flow.outer[k] = ((p(f.cell) + in.reference - o.pressure) / (0.5 * grid.h[f.axis]) + l.push) / l.r;
+        flow.outer[k] = ((p(f.cell) + in.reference - outside[k]) / (0.5 * grid.h[f.axis]) + l.push) / l.r;
         if (flow.iterations > 1 && (flow.outer[k] < 0) != (before.outer[k] < 0)) ++turns[k];
         flow.outer_flux[k] = l.rho * flow.outer[k] * area;
         outer_rho[k] = l.rho;
@@ -241,17 +254,17 @@ struct FlowSolver::Impl {
   }
 
   /// Pressure gradients of cells by their own law, from its halves that belong to the two faces of an axis: what a cell
-  /// takes from the gas is what its grains get, and half slopes sum to the differences of pressure that were solved
-  /// for.
+  /// takes from the gas is what its grains get. The resistance of empty cells holds the gas as walls would: no grain
+  /// feels it. With it half slopes sum to the differences of pressure that were solved for.
   void set_gradients(const FlowInput& in, Flow& flow) const {
     flow.gradient.assign(static_cast<std::size_t>(grid.cells()), Vec3{});
     flow.outer_pressure.resize(grid.outer.size());
     const auto half = [&](int cell, int axis, double u, double rho) {
       const auto c = static_cast<std::size_t>(cell);
       const Resistance& r = resistance[c];
-      const double slope = rho * in.gravity[axis] - r.bed * (u - moved(in, c)[axis]) - r.empty * u;
+      const double slope = rho * in.gravity[axis] - r.bed * (u - moved(in, c)[axis]);
       flow.gradient[c][axis] += 0.5 * slope;
-      return slope;
+      return slope - r.empty * u;
     };
     for (std::size_t k = 0; k < grid.inner.size(); ++k) {
       const InnerFace& f = grid.inner[k];
@@ -281,6 +294,7 @@ void FlowSolver::solve(const FlowInput& in, Flow& flow) {
   flow.outer.resize(m.grid.outer.size());
   flow.inner_flux.resize(flow.inner.size());
   flow.outer_flux.resize(flow.outer.size());
+  m.set_outside(in);
   for (int c = 0; c < m.grid.cells(); ++c) m.x[c] = flow.pressure[static_cast<std::size_t>(c)] - in.reference;
   for (flow.iterations = 1; flow.iterations <= k_most_iterations; ++flow.iterations) {
     m.cell_velocities(in, flow);

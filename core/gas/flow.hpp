@@ -20,7 +20,7 @@ namespace talus::gas {
 struct Opening {
   enum class Kind { closed, flow, pressure } kind = Kind::closed;
   double flux = 0;            ///< flow: mass per time into the grid [kg/s]
-  double pressure = 0;        ///< [Pa]
+  double pressure = 0;        ///< outside, at the lowest point of the grid [Pa]
   double gas_constant_t = 0;  ///< R_s T of what comes in [J/kg]
   double enthalpy = 0;        ///< of what comes in [J/kg]
   GasFractions fractions{};
@@ -47,7 +47,8 @@ struct Flow {
   std::vector<double> inner_flux, outer_flux;  ///< [kg/s]
   std::vector<double> outer_pressure;          ///< on outer faces [Pa]
   std::vector<double> resistance;              ///< R of cells [Pa s/m2]
-  std::vector<Vec3> velocity, gradient;        ///< of cells: means over the halves that belong to their faces
+  std::vector<Vec3> velocity, gradient;        ///< of cells: means over the halves that belong to their faces; the
+                                               ///< gradient that grains feel, without what empty cells resist
   int iterations = 0;
   double change = 0;  ///< of the velocities in the last iteration, relative to the largest
 };

@@ -37,6 +37,9 @@ inline double contact_conductance(double k1, double k2, double a) noexcept {
   return sum > 0 ? 4 * (k1 * k2) / sum * a : 0.0;
 }
 
+/// Of two conductances one behind the other [W/K]; 0 where one is.
+inline double in_series(double a, double b) noexcept { return a > 0 && b > 0 ? 1 / (1 / a + 1 / b) : 0.0; }
+
 /// Gas between two equal spheres of radius R whose surfaces are `gap` apart (negative: they overlap), straight lines of
 /// heat parallel to the axis: 2 pi k int r dr / max(least, gap(r)) from the edge of the contact to where the layers of
 /// thickness layer * R around both end [W/K]. Of two unequal ones R is twice R*, the radius with the same gap(r) near

@@ -32,4 +32,20 @@ inline double grey_factor(double e1, double e2) noexcept {
   return product > 0 ? product / (e1 + e2 - product) : 0.0;
 }
 
+/// Temperature of the surface of a layer of conductance `layer` before a wall of temperature `beyond`, towards a body
+/// of temperature T that takes g (T_s - T) + black (T_s^4 - T^4) from it [K]. Newton from above, where the function is
+/// convex: from there it only falls.
+inline double layer_surface(double layer, double g, double black, double T, double beyond) noexcept {
+  const double T2 = T * T;
+  double at = most(T, beyond);
+  for (int k = 0; k < 60; ++k) {
+    const double cube = at * at * at;
+    const double f = g * (at - T) + black * (cube * at - T2 * T2) - layer * (beyond - at);
+    const double next = at - f / (g + 4 * black * cube + layer);
+    if (!(next < at)) break;
+    at = next;
+  }
+  return at;
+}
+
 }  // namespace talus::heat

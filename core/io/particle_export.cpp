@@ -49,6 +49,17 @@ void put_row(Out out, const Held& column, std::size_t i) {
       column.values);
 }
 
+/// Columns of parts at the end of a table, which whoever does not know them passes over; which body a sphere belongs to
+/// is said by the rows of bodies.
+void put_extra_names(std::string& text, const Frame& f) {
+  for (const ExtraColumn& e : f.extra)
+    if (e.name != "body") text += "," + e.name;
+}
+void put_extra(Out out, const Frame& f, std::size_t i) {
+  for (const ExtraColumn& e : f.extra)
+    if (e.name != "body") fmt::format_to(out, ",{}", e.values[i]);
+}
+
 int material_of(const Frame& f, std::size_t i) { return f.material.empty() ? 0 : f.material[i]; }
 
 /// A species is one word.
@@ -90,6 +101,7 @@ std::string text_with_bodies(const Frame& f, std::span<const ShapeSpec> shapes) 
   std::string text = "id,x,y,z,radius,vx,vy,vz,wx,wy,wz,shape,scale,qw,qx,qy,qz";
   if (!f.material.empty()) text += ",material";
   if (!f.fixed.empty()) text += ",fixed";
+  put_extra_names(text, f);
   text += '\n';
   const Out out(text);
   const std::vector<std::int64_t> bodies = bodies_of_rows(f);
@@ -112,6 +124,7 @@ std::string text_with_bodies(const Frame& f, std::span<const ShapeSpec> shapes) 
     }
     if (!f.material.empty()) fmt::format_to(out, ",{}", +f.material[i]);
     if (!f.fixed.empty()) fmt::format_to(out, ",{}", +f.fixed[i]);
+    put_extra(out, f, i);
     text += '\n';
   }
   return text;
@@ -131,6 +144,7 @@ std::string csv_text(const Frame& f, std::span<const ShapeSpec> shapes) {
     text += "," + std::string(q.csv);
     held.push_back({static_cast<std::size_t>(q.components), q.values(f)});
   }
+  put_extra_names(text, f);
   text += '\n';
   const Out out(text);
   for (std::size_t i = 0; i < f.x.size(); ++i) {
@@ -139,6 +153,7 @@ std::string csv_text(const Frame& f, std::span<const ShapeSpec> shapes) {
     fmt::format_to(out, ",{}", f.r[i]);
     put(out, f.v[i], ',');
     for (const Held& column : held) put_row(out, column, i);
+    put_extra(out, f, i);
     text += '\n';
   }
   return text;

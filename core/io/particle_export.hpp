@@ -12,9 +12,9 @@
 namespace talus {
 
 /// Header row and one row per particle: id,x,y,z,radius,vx,vy,vz and, where the frame has them,
-/// wx,wy,wz,material,fixed, coordination. A source of kind "file" reads it (materials by their index from 0). A body
-/// that is no sphere has one row, with radius 0, its shape by name (`shapes`) or index, scale,qw,qx,qy,qz; "-": a
-/// sphere.
+/// wx,wy,wz,material,fixed, coordination and what parts know of grains (temperature). A source of kind "file" reads it
+/// (materials by their index from 0). A body that is no sphere has one row, with radius 0, its shape by name (`shapes`)
+/// or index, scale,qw,qx,qy,qz; "-": a sphere.
 std::string csv_text(const Frame& frame, std::span<const ShapeSpec> shapes = {});
 
 /// One frame of a LAMMPS dump: id type x y z vx vy vz radius [omegax omegay omegaz]; type = material + 1. `domain`: the

@@ -153,14 +153,14 @@ void resize_chunk(const PartView& w, const Parts& parts, Rows& rows, Lists& list
   const std::int32_t outside = c.result.out_count;  // in row order
   for (Row i = c.lo; i < c.hi; ++i) {
     const auto k = static_cast<std::size_t>(i - c.lo);
-    if (!(rows.p2[4L * i] < k_far) || mass_before[k] == 0) continue;
+    if (!(rows.p2[4L * i] < k_far) || (rows.body_of(i) >= 0 && !rows.leads(i))) continue;
     if (!(radius[k] > 0)) {
       // a grain may leave the domain in the step in which it is used up: it is listed once
       if (!std::binary_search(c.result.out.begin(), c.result.out.begin() + outside, i))
         c.result.out[static_cast<std::size_t>(c.result.out_count++)] = i;
       continue;
     }
-    if (radius[k] == before[k] && mass[k] == mass_before[k]) continue;
+    if (mass_before[k] == 0 || (radius[k] == before[k] && mass[k] == mass_before[k])) continue;
     if (const std::int32_t b = rows.body_of(i); b >= 0) {
       bodies.set(b, i, radius[k], mass[k]);
       continue;

@@ -269,11 +269,14 @@ void Conversion::sizes(const PartView& w, const Chunk&, const RowSizes& s) const
     const Kind* kind = w.rows.is_alive(i) ? kind_of(w.rows, i) : nullptr;
     if (kind == nullptr) continue;
     const double* own = row(now_, i) + kind->size;
-    const double from = own[k_radius_from], to = own[k_radius_to], mass = own[k_mass_from], end = own[k_mass_to];
+    const double to = own[k_radius_to], mass = own[k_mass_from], end = own[k_mass_to];
     const std::int32_t b = w.rows.body_of(i);  // of a body the scale
     const double unit =
         b < 0 ? 1 : shapes_[static_cast<std::size_t>(w.rows.bodies.shape[static_cast<std::size_t>(b)])].radius;
-    s.radius[i - s.lo] = (share < 1 ? from + share * (to - from) : to) / unit;
+    // from the size that it has: of a grain that was held until now not that of the last step of conversion
+    double& size = s.radius[i - s.lo];
+    const auto left = static_cast<double>(s_.every - w.clock.step % s_.every);  // steps, this one too
+    size = left > 1 ? size + (to / unit - size) / left : to / unit;
     s.mass[i - s.lo] = share < 1 ? mass + share * (end - mass) : end;
     const double first = row(now_, i)[bed_row(kind->tables->matter()).radius0];
     if (share == 1 && to < s_.gone_below * first) s.radius[i - s.lo] = 0;

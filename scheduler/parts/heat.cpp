@@ -102,7 +102,7 @@ class Heat final : public Part, public GrainHeat {
     columns.add(molten, s_.molten.share, &s_.molten.next);
     ColumnInfo size = info("radii of expansion", "m", "material.heat.expansion", true, k_seed + 3);
     size.in = s_.sizes.any;
-    size.width = 3;
+    size.width = 2;
     columns.add(size, s_.sizes.radii, &s_.sizes.next);
     columns.add(info("heat flow", "W", "heat", false, 0), s_.flow);
     columns.add(info("heat conductance", "W/K", "heat", false, 0), s_.conductance);
@@ -161,8 +161,8 @@ class Heat final : public Part, public GrainHeat {
         s_.molten.share[at] = s_.molten.next[at] =
             s_.matter[m].enthalpy.molten(s_.matter[m].enthalpy.at(h.temperature));
       if (s_.sizes.any) {
-        const double r = rows.p[4L * i + 3], sizes[] = {r, r, r / (1 + s_.matter[m].expansion * h.temperature)};
-        for (Column<double>* c : {&s_.sizes.radii, &s_.sizes.next}) std::copy_n(sizes, 3, c->data() + 3L * i);
+        const double r = rows.p[4L * i + 3], sizes[] = {r, r / (1 + s_.matter[m].expansion * h.temperature)};
+        for (Column<double>* c : {&s_.sizes.radii, &s_.sizes.next}) std::copy_n(sizes, 2, c->data() + 2L * i);
       }
       if (s_.any_held) s_.held[at] = static_cast<std::int16_t>(h.held ? source + 1 : 0);
       s_.totals.sources += E;
@@ -184,11 +184,13 @@ class Heat final : public Part, public GrainHeat {
   std::vector<PartValue> values(const PartView& w) const override;
   bool resizes() const override { return s_.sizes.any; }
   void sizes(const PartView& w, const Chunk&, const RowSizes& s) const override {
-    const double share = static_cast<double>(w.clock.step % s_.pace.steps + 1) / static_cast<double>(s_.pace.steps);
+    const auto left = static_cast<double>(s_.pace.steps - w.clock.step % s_.pace.steps);  // steps, this one too
     for (Row i = s.lo; i < s.hi; ++i) {
       if (!w.rows.is_alive(i) || !(s_.matter[static_cast<std::size_t>(s_.material(w, i))].expansion > 0)) continue;
-      const double *r = s_.sizes.radii.data() + 3L * i, from = r[0], to = r[1];
-      s.radius[i - s.lo] = share < 1 ? from + share * (to - from) : to;
+      // from the radius that it has: of a grain that was held until now not that of the last heat step
+      const double to = s_.sizes.radii[2 * static_cast<std::size_t>(i)];
+      double& r = s.radius[i - s.lo];
+      r = left > 1 ? r + (to - r) / left : to;
     }
   }
 

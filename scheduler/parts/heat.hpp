@@ -54,7 +54,7 @@ struct HeatMelt {
 struct HeatSizes {
   bool any = false;
   std::vector<double> areas;   ///< by shape of bodies, of scale 1 [m2]
-  Column<double> radii, next;  ///< [3 n]: radius at the last heat step, to come at the next one, at 0 K [m]
+  Column<double> radii, next;  ///< [2 n]: radius to come at the next heat step, at 0 K [m]
 };
 /// What a unit of conductance receives of a given flux, by heat.wall entries [K], of a step; for contact files.
 struct HeatFluxes {
@@ -127,6 +127,9 @@ double conductance_between(const HeatState& s, const PartView& w, Row i, Row j, 
 double heat_of_pair(const HeatState& s, const PartView& w, Row i, Row j, double overlap);  ///< conducted into i [W]
 /// The same of a contact with a wall. [W]; heat_walls.cpp
 double heat_of_wall(const HeatState& s, const PartView& w, Row i, int wall, double overlap);
+double layer_conductance(const WallHeat& wall, double r);  ///< over the cross-section of a grain of radius r [W/K]
+/// Of the contact of row i at this place of a wall without the wall's layer; 0: they do not touch [W/K].
+double touch_of_wall(const HeatState& s, const PartView& w, const WallHeat& wall, Row i, const WallContact& near);
 std::vector<int> heat_wall_entries(const HeatState& s, const WallSet& walls);  ///< [[heat.wall]] of each wall, or -1
 void heat_walls(HeatState& s, const PartView& w);  ///< heat_walls.cpp: adds to flow, conductance
 void heat_step(HeatState& s, const PartView& w);   ///< heat_step.cpp

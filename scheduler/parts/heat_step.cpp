@@ -4,37 +4,16 @@
 
 #include <algorithm>
 
-#include "core/heat/contact.hpp"
 #include "core/heat/radiation.hpp"
 #include "scheduler/parts/heat.hpp"
-#include "scheduler/parts/heat_near.hpp"
+#include "scheduler/parts/heat_neighbours.hpp"
 #include "scheduler/state/step_failure.hpp"
 
 namespace talus {
 namespace {
 
-constexpr Row k_rows = 1024;       // per block
+constexpr Row k_rows = k_heat_rows;
 constexpr double k_hottest = 1e5;  // as keys may say [K]
-
-/// A grain that another exchanges with over a distance.
-struct Near {
-  Row j;
-  double gap;   ///< conductance of the gas between; of two fixed grains that of their contact too [W/K]
-  double area;  ///< of radiation, not yet shaded [m2]
-};
-
-struct NearWall {
-  int entry;         ///< of [[heat.wall]]
-  double gap, area;  ///< as in Near
-  double emissivity;
-};
-
-/// Neighbours of the rows of a block.
-struct NearRows {
-  std::vector<Near> all;
-  std::vector<NearWall> walls;
-  std::vector<std::int32_t> first, first_wall;
-};
 
 /// What a block's rows have received, for the ledger [W]; friction and held [J].
 struct BlockSums {
@@ -53,7 +32,8 @@ class HeatStep {
         dt_(s.dt(w)),
         gas_(part_as<GasCells>(w.parts)),
         inside_(part_as<GrainInside>(w.parts)),
-        laser_(part_as<LaserLight>(w.parts)) {
+        laser_(part_as<LaserLight>(w.parts)),
+        near_(s, w) {
     blocks_ = (w.rows.n + k_rows - 1) / k_rows;
     sums_.resize(static_cast<std::size_t>(blocks_));
   }
@@ -61,7 +41,7 @@ class HeatStep {
   /// Returns the largest change of a temperature and the largest excess.
   std::pair<double, double> run() {
     for (BlockSums& b : sums_) b.wall.assign(s_.scene.walls.size(), 0.0);
-    if (reaches() || w_.rules.has.fixed) find_near();
+    near_.find(blocks_);
     w_.blocks(blocks_, [&](int b) { exchange(b); });
     if (w_.rows.bodies.in) w_.blocks(blocks_, [&](int b) { gather(b); });
     refuse_overshoot();
@@ -81,93 +61,8 @@ class HeatStep {
   const HeatMatter& matter(Row i) const { return s_.matter[static_cast<std::size_t>(s_.material(w_, i))]; }
   double surface(Row i) const { return s_.surface(w_, i); }
   bool has_shells(Row i) const { return inside_ != nullptr && s_.has_shells(w_, i); }
-  /// Something acts without touching.
-  bool reaches() const { return s_.scene.gap.conductivity > 0 || s_.scene.radiation.grains; }
-  /// Of two fixed grains no list of the engine holds the contact: neither can move.
-  bool fixed(Row i) const { return w_.rules.has.fixed && w_.rows.fixed[i] != 0; }
 
-  // --- near grains ---------------------------------------------------------------------------------------------------
-
-  /// Largest distance of centres at which grains of radii r and q exchange something [m].
-  double reach(double r, double q) const {
-    const double film = s_.scene.gap.conductivity > 0 ? 2 * s_.scene.gap.layer * heat::reduced(r, q) : 0;
-    const double sight = s_.scene.radiation.grains ? s_.scene.radiation.range * (0.5 * (r + q)) : 0;
-    return (r + q) + fmax2(film, sight);
-  }
-
-  void find_near() {
-    const NearGrid grid(w_, reach(w_.rules.r_max, w_.rules.r_max), !reaches());
-    near_.resize(static_cast<std::size_t>(blocks_));
-    if (reaches()) shade_.assign(static_cast<std::size_t>(w_.rows.n), 1.0);
-    entry_ = heat_wall_entries(s_, w_.walls);
-    w_.blocks(blocks_, [&](int b) { find_near(grid, b); });
-  }
-
-  void find_near(const NearGrid& grid, int b) {
-    NearRows& near = near_[static_cast<std::size_t>(b)];
-    std::vector<Row> partners;
-    std::vector<std::int32_t> elements;
-    near.first.reserve(k_rows + 1);
-    near.first_wall.reserve(k_rows + 1);
-    const Box box = w_.rules.scene.domain.box();
-    const GapHeat& gap = s_.scene.gap;
-    for_rows(b, [&](Row i) {
-      near.first.push_back(static_cast<std::int32_t>(near.all.size()));
-      near.first_wall.push_back(static_cast<std::int32_t>(near.walls.size()));
-      partners.clear();
-      if (reaches() || fixed(i)) grid.partners(w_, i, partners);
-      const double* a = w_.rows.p.data() + 4L * i;
-      double seen = reaches() ? find_walls(a, near.walls, elements) : 0.0;
-      for (const Row j : partners) {
-        const double* o = w_.rows.p.data() + 4L * j;
-        const double d = norm(box.nearest({a[0] - o[0], a[1] - o[1], a[2] - o[2]}));
-        if (!(d < reach(a[3], o[3]))) continue;
-        Near n{j, 0, 0};
-        const double contact = fixed(i) && fixed(j) ? conductance_between(s_, w_, i, j, (a[3] + o[3]) - d) : 0.0;
-        if (gap.conductivity > 0)
-          n.gap = heat::gap_conductance(gap.conductivity, 2 * heat::reduced(a[3], o[3]), d - (a[3] + o[3]), gap.layer,
-                                        gap.least_gap);
-        if (s_.scene.radiation.grains && d < (a[3] + o[3]) + s_.scene.radiation.range * (0.5 * (a[3] + o[3])))
-          n.area = heat::exchange_area(a[3], o[3], d);
-        seen = seen + n.area;
-        n.gap = n.gap + contact;
-        if (n.gap > 0 || n.area > 0) near.all.push_back(n);
-      }
-      // more than the whole surface cannot be seen: those behind stand in the shade of those before
-      if (seen > surface(i)) shade_[static_cast<std::size_t>(i)] = surface(i) / seen;
-    });
-    near.first.push_back(static_cast<std::int32_t>(near.all.size()));
-    near.first_wall.push_back(static_cast<std::int32_t>(near.walls.size()));
-  }
-
-  /// Walls of given temperature near position row a. Returns the area of the grain that they are seen from.
-  double find_walls(const double* a, std::vector<NearWall>& found, std::vector<std::int32_t>& elements) const {
-    if (s_.scene.walls.empty()) return 0;
-    const GapHeat& gap = s_.scene.gap;
-    const bool radiates = s_.scene.radiation.grains;
-    const double reach = heat_reach(s_.scene, a[3]);
-    elements.clear();
-    w_.walls.candidates({a[0], a[1], a[2]}, reach, elements);
-    WallContact contact[WallSet::k_max_contacts];
-    const int n = elements.empty() ? 0 : w_.walls.contacts({a[0], a[1], a[2]}, reach, elements, contact);
-    double seen = 0;
-    for (int k = 0; k < n; ++k) {
-      const int e = entry_[static_cast<std::size_t>(contact[k].wall)];
-      if (e < 0 || !s_.scene.walls[static_cast<std::size_t>(e)].temperature.given()) continue;
-      const WallHeat& wall = s_.scene.walls[static_cast<std::size_t>(e)];
-      NearWall w{e, 0, 0, s_.matter[static_cast<std::size_t>(w_.walls.material(contact[k].wall))].emissivity};
-      if (gap.conductivity > 0)
-        w.gap = heat::gap_conductance_to_plane(gap.conductivity, a[3], contact[k].distance - a[3], gap.layer,
-                                               gap.least_gap);
-      if (!wall.layer.empty() && w.gap > 0)
-        w.gap = 1 / (1 / w.gap + wall.layer[0] / (wall.layer[1] * (det::k_pi * (a[3] * a[3]))));
-      if (radiates && wall.layer.empty())
-        w.area = 4 * det::k_pi * (a[3] * a[3]) * heat::share_of_plane(contact[k].distance, reach);
-      seen = seen + w.area;
-      found.push_back(w);
-    }
-    return seen;
-  }
+  // --- near grains and walls -----------------------------------------------------------------------------------------
 
   /// Of row i, number q of its block. Returns the share of its surface that sees no other grain.
   double exchange_near(BlockSums& sum, const NearRows& near, std::size_t q, Row i) {
@@ -179,26 +74,34 @@ class HeatStep {
       const auto j = static_cast<std::size_t>(n.j);
       double g = n.gap;
       if (n.area > 0) {
-        const double area = n.area * fmin2(shade_[at], shade_[j]);
+        const double area = n.area * fmin2(near_.shade(i), near_.shade(n.j));
         seen = seen + area;
         g = g + heat::k_stefan * (area * heat::grey_factor(e, s_.emissivity(w_, inside_, n.j))) *
                     heat::radiant_slope(T, s_.temperature[j]);
       }
-      add(at, g, s_.temperature[j]);
+      if (n.j != i) add(at, g, s_.temperature[j]);
     }
     for (std::int32_t k = near.first_wall[q]; k < near.first_wall[q + 1]; ++k) {
       const NearWall& n = near.walls[static_cast<std::size_t>(k)];
       const auto wall = static_cast<std::size_t>(n.entry);
       const double other = s_.scene.walls[wall].temperature(s_.middle(w_)),
-                   area = n.area > 0 ? n.area * shade_[at] : 0.0;
+                   area = n.area > 0 ? n.area * near_.shade(i) : 0.0;
       seen = seen + area;
-      const double g =
-          n.gap + heat::k_stefan * (area * heat::grey_factor(e, n.emissivity)) * heat::radiant_slope(T, other);
-      sum.wall[wall] = sum.wall[wall] + add(at, g, other);
+      sum.wall[wall] = sum.wall[wall] + add(at, conductance_to(n, area, e, T, other), other);
     }
     if (!(seen > 0)) return 1;
     const double rest = 1 - seen / surface(i);
     return rest > 0 ? rest : 0.0;
+  }
+
+  /// To what is beyond a wall's layer, if it has one: gas, radiation and contact pass it together; without what the
+  /// contact passes alone, which heat_walls has counted.
+  static double conductance_to(const NearWall& n, double area, double e, double T, double other) {
+    const double black = heat::k_stefan * (area * heat::grey_factor(e, n.emissivity));
+    if (!(n.layer > 0)) return n.gap + black * heat::radiant_slope(T, other);
+    const double beside = n.touch + n.gap, there = heat::layer_surface(n.layer, beside, black, T, other);
+    return fmax2(0, heat::in_series(n.layer, beside + black * heat::radiant_slope(T, there)) -
+                        heat::in_series(n.layer, n.touch));
   }
 
   // --- one grain alone -----------------------------------------------------------------------------------------------
@@ -233,7 +136,7 @@ class HeatStep {
     for_rows(b, [&](Row i) {
       const auto at = static_cast<std::size_t>(i);
       double open = 1;
-      if (!near_.empty()) open = exchange_near(sum, near_[static_cast<std::size_t>(b)], q++, i);
+      if (near_.any()) open = exchange_near(sum, near_.of(b), q++, i);
       const bool body = w_.rows.body_of(i) >= 0;
       if (gas && !(body && !w_.rows.leads(i))) sum.gas = sum.gas + add_gas(i);
       if (laser_ != nullptr) s_.flow[at] = s_.flow[at] + laser_->heat(i);
@@ -323,11 +226,10 @@ class HeatStep {
   }
 
   void expand(Row i) {
-    const double* now = s_.sizes.radii.data() + 3L * i;
-    double* next = s_.sizes.next.data() + 3L * i;
-    next[0] = now[1];
-    next[1] = now[2] * (1 + matter(i).expansion * s_.next_temperature[static_cast<std::size_t>(i)]);
-    next[2] = now[2];
+    const double cold = s_.sizes.radii[2 * static_cast<std::size_t>(i) + 1];
+    double* next = s_.sizes.next.data() + 2L * i;
+    next[0] = cold * (1 + matter(i).expansion * s_.next_temperature[static_cast<std::size_t>(i)]);
+    next[1] = cold;
   }
 
   [[noreturn]] void refuse_temperature(Row i) const {
@@ -365,11 +267,9 @@ class HeatStep {
   const GasCells* gas_;
   const GrainInside* inside_;
   const LaserLight* laser_;
+  HeatNeighbours near_;
   int blocks_ = 0;
   std::vector<BlockSums> sums_;
-  std::vector<NearRows> near_;
-  std::vector<int> entry_;     ///< of each wall
-  std::vector<double> shade_;  ///< by row: share of what it would see that is in sight
 };
 
 }  // namespace

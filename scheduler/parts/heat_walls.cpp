@@ -18,16 +18,23 @@ double area_of(const PartView& w, const std::string& name) {
   return area;
 }
 
-/// Of one contact with the wall's surface, its layer included [W/K]. r: radius of the grain there [m].
+/// Of one contact with the wall's surface, which is as warm as the wall where its temperature is given [W/K]. r: radius
+/// of the grain there [m].
+double touch_conductance(const HeatState& s, const PartView& w, const WallHeat& wall, Row i, int number, double overlap,
+                         double r) {
+  const double T =
+      wall.temperature.given() ? wall.temperature(s.middle(w)) : s.temperature[static_cast<std::size_t>(i)];
+  const int m = s.material(w, i), k = w.walls.material(number);
+  return heat::contact_conductance(s.conductivity(w, part_as<GrainInside>(w.parts), i),
+                                   s.matter[static_cast<std::size_t>(k)].conductivity.at(T),
+                                   s.pair(m, k).of(r, overlap));
+}
+
+/// The same with the wall's layer behind it.
 double conductance_of(const HeatState& s, const PartView& w, const WallHeat& wall, Row i, int number, double overlap,
                       double r) {
-  const double T = s.temperature[static_cast<std::size_t>(i)], size = heat_size(w, i);
-  const int m = s.material(w, i), k = w.walls.material(number);
-  const double a = s.pair(m, k).of(r, overlap);
-  const double g = heat::contact_conductance(s.conductivity(w, part_as<GrainInside>(w.parts), i),
-                                             s.matter[static_cast<std::size_t>(k)].conductivity.at(T), a);
-  if (wall.layer.empty() || !(g > 0)) return g;
-  return 1 / (1 / g + wall.layer[0] / (wall.layer[1] * (det::k_pi * (size * size))));
+  const double g = touch_conductance(s, w, wall, i, number, overlap, r);
+  return wall.layer.empty() ? g : heat::in_series(g, layer_conductance(wall, heat_size(w, i)));
 }
 
 double conductance_of(const HeatState& s, const PartView& w, const WallHeat& wall, const WallState& t) {
@@ -56,6 +63,22 @@ double radius_at_wall(const PartView& w, Row i, int wall, double overlap) {
 }
 
 }  // namespace
+
+double layer_conductance(const WallHeat& wall, double r) {
+  return wall.layer[1] * (det::k_pi * (r * r)) / wall.layer[0];
+}
+
+double touch_of_wall(const HeatState& s, const PartView& w, const WallHeat& wall, Row i, const WallContact& near) {
+  const WallState* found = nullptr;  // of several images the same
+  const auto off = [&](const WallState& t) { return __builtin_fabs(t.contact.distance - near.distance); };
+  for (const WallState& t : w.contacts.of(i).wall.state)
+    if (t.row == i && t.contact.wall == near.wall && t.contact.element == near.element &&
+        (found == nullptr || off(t) < off(*found)))
+      found = &t;
+  if (found == nullptr) return 0;
+  return touch_conductance(s, w, wall, i, near.wall, w.rows.p[4L * i + 3] - found->contact.distance,
+                           contact_radius(w, i, found->contact.normal));
+}
 
 std::vector<int> heat_wall_entries(const HeatState& s, const WallSet& walls) {
   std::vector<int> entry(static_cast<std::size_t>(walls.size()), -1);

@@ -125,11 +125,20 @@ SkinRule skin_of(const Rules& rules) {
   return skin;
 }
 
+/// Of a radius by warming as far as matter lasts.
+double most_growth(const HeatScene& heat) {
+  constexpr double k_hot = 5000;  // [K]
+  double most = 1;
+  for (const MatterHeat& m : heat.matter) most = fmax2(most, 1 + k_hot * m.expansion);
+  return most;
+}
+
 WallSet walls_of(const Rules& rules, const SkinRule& skin) {
   double reach = 0;
   for (const double r : {rules.r_min, rules.r_max})
     reach = fmax2(reach, r + 2 * skin.range(r) + skin.to_walls(skin(r, 1e30, 0)) + skin.drift_travel);
-  if (rules.scene.heat.on) reach = fmax2(reach, heat_reach(rules.scene.heat, rules.r_max));
+  if (rules.scene.heat.on)
+    reach = fmax2(reach, heat_reach(rules.scene.heat, rules.r_max * most_growth(rules.scene.heat)));
   return WallSet(in_stored_frame(rules.scene), reach + 0.5 * rules.r_min,
                  (1 + k_usual_skin) * rules.r_max + 2 * skin.range(rules.r_max) + skin.drift_travel);
 }

@@ -153,6 +153,42 @@ TEST(Flow, ClosedBoxKeepsItsGasAtRest) {
   EXPECT_NEAR(gas.fields().pressure[4], 101325, 1e-6);
 }
 
+/// Gas with weight, with these sides open; returns it after it has come to rest.
+Gas left_open(const std::vector<GasSide>& sides, const FromGrains& bed, double outside = 300) {
+  GasSettings s = column(0.16, 8, 0);
+  s.upper = {0.08, 0.04, 0.16};
+  s.cells = {4, 1, 8};
+  s.inlets.clear();
+  for (const GasSide side : sides) {
+    GasInlet i;
+    i.side = side;
+    i.kind = GasInlet::Kind::pressure;
+    i.temperature = outside;
+    s.inlets.push_back(i);
+  }
+  Gas gas(s, {}, {0, 0, -9.81});
+  gas.start(bed);
+  for (int k = 0; k < 40; ++k) gas.step(bed, 1);
+  return gas;
+}
+
+TEST(Flow, StillAirOutsideLeavesAirAtRestWhicheverSidesAreOpen) {
+  const Grid grid({0, 0, 0}, {0.08, 0.04, 0.16}, {4, 1, 8});
+  const FromGrains bed = uniform_bed(grid, 0.6, 4e-3);
+  for (const std::vector<GasSide>& open : {std::vector<GasSide>{GasSide::left},
+                                           {GasSide::left, GasSide::right},
+                                           {GasSide::bottom, GasSide::top},
+                                           {GasSide::top}}) {
+    const Gas gas = left_open(open, bed);
+    double through = 0, push = 0;
+    for (const double f : gas.flow().outer_flux) through += std::fabs(f);
+    for (std::size_t c = 0; c < bed.solid.size(); ++c) push -= bed.solid[c] * gas.fields().gradient[c].z;
+    const double weight = 9.81 * gas.fields().density[0] * 0.4 * 0.08 * 0.04 * 0.16;
+    EXPECT_LT(through, 1e-9) << "[kg/s]";
+    EXPECT_NEAR(push / weight, 1, 1e-4) << "it carries the grains as much as the air weighs that they displace";
+  }
+}
+
 TEST(Flow, HotGasAboveAnOpeningToColdAirSettles) {
   // Cold air would be sucked in by the light gas within, and light gas pushed out by heavy air: at such a side the flow
   // has no density of its own.

@@ -138,7 +138,7 @@ TEST(Fluidisation, BeginsWhereErgunsDropCarriesARandomBed) {
     const double rest = BedState(below).middle / settled.middle - 1, rise = BedState(above).middle / settled.middle - 1;
     std::printf("  middle of the bed after 0.1 s: %+.2f %% at 0.95, %+.2f %% at 1.05 of Ergun's velocity\n", 100 * rest,
                 100 * rise);
-    EXPECT_LT(rest, 0.008);  // it is unloaded and rearranges a little
+    EXPECT_LT(rest, 0.25 * rise);  // unloaded it rearranges; how much depends on the packing that it fell into
     EXPECT_GT(rise, 0.012);
   }
 }

@@ -76,6 +76,24 @@ TEST(GasForce, OfAllGrainsIsDropTimesAreaToRoundOff) {
     }
 }
 
+TEST(GasForce, OfALooseBedDependsOnItsSlipAlone) {
+  // looser than most_porosity: the same bed held in a stream, and moved against a weaker one with the same slip
+  for (const double most : {0.9, 0.95, 0.999}) {
+    constexpr double k_e = 0.97, k_u = 0.5;
+    const auto force = [&](double stream, double grains) {
+      GasSettings s = column(0.05, 9, stream);
+      s.drag = GasDrag::gidaspow;
+      s.most_porosity = most;
+      Gas gas(s, {}, {});
+      FromGrains bed = uniform_bed(gas.grid(), k_e, 2e-3, {0, 0, grains});
+      gas.start(bed);
+      for (int k = 0; k < 20; ++k) gas.step(bed, 0.1);
+      return force_on_grains(gas, bed).z;
+    };
+    EXPECT_NEAR(force((1 - k_e) * k_u, -k_u) / force(k_u, 0), 1, 1e-4) << most;
+  }
+}
+
 TEST(GasForce, IsNoneAlongAPeriodicAxisOfOneCell) {
   GasSettings s = column(0.05, 9, 0.4);
   Gas gas(s, {true, true, false}, {});

@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <string>
+#include <vector>
 
 #include "core/base/error.hpp"
 #include "core/scene/scene_file.hpp"
@@ -82,6 +84,96 @@ TEST(Expansion, ClampedGrainPressesWithTheForceOfItsOverlap) {
   EXPECT_NEAR(e.elastic, k_kn * overlap * overlap, 1e-4 * e.elastic);
   EXPECT_LT(std::fabs(e.residual), 1e-6 * e.elastic);
   EXPECT_NEAR(e.sizes, e.elastic, 1e-6 * e.elastic);
+}
+
+/// A scene beside a grain file.
+Scene scene_of(std::string text, const std::string& grain_file) {
+  const std::string path = testing::TempDir() + "expansion-" + std::to_string(getpid()) + ".toml";
+  std::ofstream(path) << grain_file;
+  if (const std::size_t at = text.find("GRAIN"); at != std::string::npos) text.replace(at, 5, path);
+  return parse_scene(text, "held", ".");
+}
+
+constexpr const char* k_held = R"(
+gravity = [0, 0, 0]
+domain = { lower = [0, 0, 0], upper = [0.03, 0.03, 0.03] }
+contact = { normal_stiffness = 0.001, friction = "none" }
+checks = { allow_unstable_step = true }
+group = [{ name = "g", ids = [0, 10] }]
+[[source]]
+kind = "lattice"
+number = 1
+region = { lower = [0.009, 0.009, 0.009], upper = [0.021, 0.021, 0.021] }
+size = { diameter = 0.01 }
+[[event]]
+time = 0
+action = "freeze"
+group = "g"
+)";
+
+TEST(Expansion, ReleasedGrainGoesInAStraightLineFromTheRadiusThatItWasHeldAt) {
+  // heat steps of 10 steps; released before step 1503
+  const Scene s = scene_of(std::string(k_held) + R"(
+[[event]]
+time = 0.01503
+action = "release"
+group = "g"
+[time]
+step = 1e-5
+steps = 2000
+[[material]]
+name = "m"
+density = 2500
+[material.heat]
+expansion = 1e-3
+[heat]
+every = 10
+temperature = 300
+capacity = 100
+conductivity = 30
+[heat.gas]
+temperature = 1300
+film = 1e4
+)",
+                           "");
+  Simulation sim(s, options());
+  sim.run(1503);
+  std::vector<double> r{sim.frame().r[0]};
+  EXPECT_EQ(r[0], k_r) << "held";
+  while (sim.frame().step < 1510) sim.run(1), r.push_back(sim.frame().r[0]);
+  ASSERT_EQ(r.size(), 8u);
+  EXPECT_GT(r.back(), 1.01 * k_r);
+  for (std::size_t k = 1; k < r.size(); ++k)
+    EXPECT_NEAR(r[k], r[0] + (r.back() - r[0]) * static_cast<double>(k) / 7, 1e-12 * k_r) << k;
+}
+
+TEST(Expansion, HeldGrainThatBurnsOutLeaves) {
+  const Scene s = scene_of(std::string(k_held) + R"(
+[time]
+step = 1e-2
+steps = 40000
+[[material]]
+name = "c"
+density = 600
+grain = "GRAIN"
+[conversion]
+every = 100
+gone_below = 0.6
+)",
+                           R"(
+time = { step = 0.05, duration = 60, output_every = 10 }
+grain = { shape = "sphere", diameter = 0.01, temperature = 1000 }
+material = { density = 600, initial = { c = 0.99 }, ash = 0.01 }
+heat_capacity = { fuel = 1500 }
+conductivity = { fuel = 10 }
+shrinkage = { burn_off = 0.95 }
+surroundings = { temperature = 1000, oxygen = 1.0, film = 500 }
+solid = [{ name = "c", kind = "char" }]
+char_reaction = [{ A = 5, n = 0, E = 0, ratio_A = 0 }]
+)");
+  Simulation sim(s, options());
+  sim.run(40000);
+  EXPECT_EQ(sim.particles(), 0);
 }
 
 TEST(Expansion, BitsDependOnTheTrajectoryAloneAndAResumeGoesOnToTheBit) {

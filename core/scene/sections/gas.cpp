@@ -89,7 +89,11 @@ const Keys<GasInlet> k_inlet(
             "into the grid, superficial, at the inlet's temperature and gas.pressure; negative: out", "0.5")
             .only("kind=flow")
             .needed("flow", "(required by flow)"),
-        key("pressure", &GasInlet::pressure, "Pa", k_pressure, "outside", "101325")
+        key("pressure", &GasInlet::pressure, "Pa", k_pressure,
+            "outside, at the height of the lowest point of the grid; above, the gas outside (of this pressure, "
+            "temperature and composition) weighs less by rho g z, as still gas does. Equal pressures at bottom and top "
+            "are one atmosphere: gas as heavy rests, lighter gas rises as in a chimney",
+            "101325")
             .only("kind=pressure")
             .absent("(gas.pressure)"),
         key("temperature", &GasInlet::temperature, "K", k_temperature, "of what comes in", "600")

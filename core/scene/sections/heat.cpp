@@ -87,7 +87,8 @@ const Keys<MatterHeat> k_material(
         key("young", &MatterHeat::young, "Pa", k_positive, "real modulus", "7e10").absent("(heat.young)").with(k_with),
         key("expansion", &MatterHeat::expansion, "1/K", {0, 1e-2},
             "rise of the radius per rise of the temperature: radius = a (1 + expansion T), where a source gives the "
-            "radius at its temperature; it goes in a straight line to that of the last heat step; mass stays",
+            "radius at its temperature; it goes in a straight line to that of the last heat step; mass stays. A held "
+            "grain keeps its radius; released, it goes to that of its temperature until the end of the heat step",
             "1e-5")
             .absent("(grains keep their radii)")
             .fixed("the radii have begun with it")
@@ -131,7 +132,8 @@ const Keys<WallHeat> k_wall(
         key("wall", &WallHeat::wall, "name of a wall or of a side (domain_x_lower ... domain_z_upper)",
             "\"domain_z_lower\"")
             .required(),
-        key("temperature", &WallHeat::temperature, "K", k_kelvin, "of the wall, or beyond its layer; this or flux",
+        key("temperature", &WallHeat::temperature, "K", k_kelvin,
+            "of the wall, or beyond its layer; the conductivity of its material is taken there; this or flux",
             "[[0, 300], [10, 400]]")
             .absent("(none)")
             .usual("", "flux"),
@@ -142,7 +144,9 @@ const Keys<WallHeat> k_wall(
             "2000")
             .absent("(none)"),
         key("layer", &WallHeat::layer, "m, W/m/K", k_positive,
-            "[thickness, conductivity] of a layer in series with each contact, over the cross-section of the grain",
+            "[thickness, conductivity] of a layer before the wall, over the cross-section of the grain: contact, gas "
+            "of the gap "
+            "and radiation of its surface pass it together",
             "[0.01, 0.05]")
             .absent("(none)"),
     });
@@ -169,7 +173,9 @@ const Keys<GapHeat> k_gap(
     {
         key("conductivity", &GapHeat::conductivity, "W/m/K", k_positive, "of the gas", "0.026").required(),
         key("layer", &GapHeat::layer, "-", {0, 4, true},
-            "thickness of the layer of gas that takes part / radius (of unequal grains their harmonic mean)", "0.4"),
+            "thickness of the layer of gas that a grain carries / radius (of unequal grains their harmonic mean): two "
+            "grains conduct up to a gap of two layers, grain and wall of one",
+            "0.4"),
         key("least_gap", &GapHeat::least_gap, "m", k_positive, "gaps conduct as if they were at least this wide",
             "2.75e-8"),
     });
@@ -183,7 +189,13 @@ const Keys<RadiationHeat> k_radiation(
             "true")
             .usual("", "enclosure"),
         key("range", &RadiationHeat::range, "-", {0, 10, true},
-            "largest gap between two grains that see each other / their mean radius", "1.5"),
+            "largest gap between two grains that see each other / their mean radius. Of a wall of given temperature a "
+            "grain of radius r whose middle is at d < R = r (1 + range/2) sees a disc of radius R, a share 0.5 (1 - d "
+            "/ "
+            "sqrt(d^2 + R^2)) of its view: 0.25 at the wall with the default, as in a bed whose grains hide the rest; "
+            "a "
+            "lone grain sees 0.5 of a wide wall, 0.42 with range = 10",
+            "1.5"),
         key("enclosure", &RadiationHeat::enclosure, "K", k_kelvin,
             "temperature of what a grain sees where it sees no other", "1200")
             .absent("(none)"),

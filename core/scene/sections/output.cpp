@@ -27,8 +27,10 @@ const Keys<OutputSettings> k_output(
         key("energies", &OutputSettings::energies, "energy terms and balance", "true")
             .acts()  // off -> on is refused (scene_changes.cpp): not known to the record otherwise
             .also({{"energy", "output"}}),
-        key("contacts", &OutputSettings::contacts, "contacts of every frame", "true"),
-        key("coordination", &OutputSettings::coordination, "contacts per particle", "true"),
+        key("contacts", &OutputSettings::contacts,
+            "contacts of every frame; none of two fixed grains that touch, between which no force is computed", "true"),
+        key("coordination", &OutputSettings::coordination, "contacts per particle, without those of two fixed grains",
+            "true"),
         key("stress", &OutputSettings::stress, "stress per particle", "true"),
         other_key<OutputSettings>("grid", KeyType::cells, "-", {1, 10000}, "averages on a grid of this many cells",
                                   "[10, 10, 20]")

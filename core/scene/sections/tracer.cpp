@@ -5,7 +5,8 @@ namespace talus {
 namespace {
 
 const Keys<Scene> k_tracer(
-    {"tracer", false, "a passive scalar of each grain that contacts mix; absent: no grain has one"},
+    {"tracer", false,
+     "a passive scalar of each grain that contacts mix, but for those of two fixed grains; absent: no grain has one"},
     fixed_by("the grains have exchanged it at this rate"),
     {
         key("rate", &Scene::tracer_rate, "1/s", k_not_negative,
