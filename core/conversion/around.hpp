@@ -15,10 +15,12 @@ struct GasAround {
   double pressure = 101325;                              ///< [Pa]
 };
 
-/// Binary diffusivity of small molecules in air, 2.07e-5 (T/298)^1.75 [m2/s] (Fuller's exponent).
+inline constexpr double k_atmosphere = 101325;  // [Pa]
+
+/// Binary diffusivity of small molecules in air, 2.07e-5 (T/298)^1.75 (1 atm)/p [m2/s] (Fuller's exponent).
 template <class V>
-V gas_diffusivity(V T) {
-  return V(2.07e-5) * power(T / V(298), 1.75);
+V gas_diffusivity(V T, double pressure) {
+  return V(2.07e-5 * (k_atmosphere / pressure)) * power(T / V(298), 1.75);
 }
 
 /// Density of gas of molar mass `molar` [kg/mol] at the pressure [kg/m3].
@@ -27,11 +29,11 @@ V gas_density(V T, double pressure, double molar) {
   return V(pressure * molar / k_gas_constant) / T;
 }
 
-/// Density of saturated water vapour [kg/m3], Clausius and Clapeyron through the boiling point of the law.
+/// Density of saturated water vapour [kg/m3], Clausius and Clapeyron through the law's boiling point at the pressure.
 template <class V>
-V saturated_vapour(V T, const DryingLaw& law) {
+V saturated_vapour(V T, const DryingLaw& law, double pressure) {
   const double slope = law.heat * 0.018015 / k_gas_constant;
-  return gas_density(T, 101325, 0.018015) * exponential(V(slope / law.temperature) - V(slope) / T);
+  return gas_density(T, pressure, 0.018015) * exponential(V(slope / law.temperature) - V(slope) / T);
 }
 
 /// Share of a film's coefficient that a net outflow leaves: B / (exp(B) - 1) for B >= 0.

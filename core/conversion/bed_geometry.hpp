@@ -159,14 +159,14 @@ TALUS_SHAPES_INLINE typename S::B gas_density(typename S::B T, double pressure, 
   return S::set(pressure * molar / 8.31446261815324) / T;
 }
 template <class S>
-TALUS_SHAPES_INLINE typename S::B gas_diffusivity(typename S::B T) {
+TALUS_SHAPES_INLINE typename S::B gas_diffusivity(typename S::B T, double pressure) {
   const auto x = T * S::set(1.0 / 298), root = S::sqrt(x);
-  return S::set(2.07e-5) * (x * root * S::sqrt(root));
+  return S::set(2.07e-5 * (101325 / pressure)) * (x * root * S::sqrt(root));
 }
 template <class S>
-TALUS_SHAPES_INLINE typename S::B saturated(const BedMatter& m, typename S::B T) {
+TALUS_SHAPES_INLINE typename S::B saturated(const BedMatter& m, typename S::B T, double pressure) {
   const double slope = m.evaporation * 0.018015 / 8.31446261815324;
-  return gas_density<S>(T, 101325, 0.018015) * exponential<S>(S::set(slope / m.boiling) - S::set(slope) / T);
+  return gas_density<S>(T, pressure, 0.018015) * exponential<S>(S::set(slope / m.boiling) - S::set(slope) / T);
 }
 /// B / (exp(B) - 1), the share of a film's coefficient that a net outflow leaves.
 template <class S>
@@ -204,7 +204,7 @@ typename S::B film_coefficients(const BedMatter& m, typename S::B d, typename S:
   const B Re = rho * u * d / mu;
   mass_film = S::set(0);
   if (m.chars > 0 || m.dries != 0) {
-    const B D = gas_diffusivity<S>(T);
+    const B D = gas_diffusivity<S>(T, pressure);
     mass_film = transfer_number<S>(m.film_law, Re, mu / (rho * D)) * D * per;
   }
   return transfer_number<S>(m.film_law, Re, mu * cp / k) * k * per;

@@ -151,7 +151,8 @@ void Step<S>::fronts() {
     const B coal = m.chars > 0 && there_[2] ? ld(coals, i) : zero, gone = burnt(i);
     const B char0 = most<S>(coal + gone, least_part);
     // one division for the reciprocals of a passage, what there was of char, and all of the shell
-    const B passage = most<S>(S::set(m.pores) * gas_diffusivity<S>(t) * surface, least_part), whole = dry0 + char0;
+    const B passage = most<S>(S::set(m.pores) * gas_diffusivity<S>(t, pressure_) * surface, least_part),
+            whole = dry0 + char0;
     const B chars = char0 * whole, all = one / (passage * chars);
     const B half = S::set(0.5) * (face - below) * (all * chars);
     if (m.dries != 0) {
@@ -162,7 +163,7 @@ void Step<S>::fronts() {
       wet_open = wet_open - front;
       B K = zero;
       if (S::any(S::gt(front, zero))) {
-        const B drive = most<S>(saturated<S>(m, t) - oxidant[2], zero);
+        const B drive = most<S>(saturated<S>(m, t, pressure_) - oxidant[2], zero);
         K = steady<S>(front * drive / (way + dried) * dt_ / most<S>(wet, tiny));
       }
       st(w_.drying, i, K);

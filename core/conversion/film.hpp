@@ -47,7 +47,7 @@ inline Film film_of(const GasKind& gas, FilmLaw law, double d, double u, double 
   const double mu = sutherland(gas.viscosity, gas.viscosity_S, T);
   const double k = sutherland(gas.conductivity, gas.conductivity_S, T);
   const double cp = gas.heat_capacity + gas.heat_capacity_slope * (T - 300);
-  const double rho = gas_density(T, pressure, gas.molar), D = gas_diffusivity(T);
+  const double rho = gas_density(T, pressure, gas.molar), D = gas_diffusivity(T, pressure);
   const double Re = rho * u * d / mu;
   return {transfer_number(law, Re, mu * cp / k) * k / d, transfer_number(law, Re, mu / (rho * D)) * D / d};
 }

@@ -34,7 +34,7 @@ class Grain {
     state.shells.set(state.volume0);
     state.temperature.assign(n, temperature);
     state.debt.assign(n, V(0));
-    state.liquid.assign(n, select(less(temperature, V(matter.melting.liquidus)), V(0), V(1)));
+    state.liquid.assign(n, molten(matter.melting, temperature));
     state.mass.assign(matter.solids.size() * n, V(0));
     state.initial.assign(k_kinds * n, V(0));
     state.released.assign(matter.gases.size(), V(0));
@@ -129,6 +129,12 @@ class Grain {
   GrainState<V> state;
 
  private:
+  /// What is liquid at first: none of it at a melting point, a share between solidus and liquidus.
+  static V molten(const Melting& m, V T) {
+    const V solidus = V(m.solidus), width = most(V(m.liquidus - m.solidus), V(1e-300));
+    return clamped((T - solidus) / width, V(0), V(1));
+  }
+
   Matter matter_;
   Mixture<V> mixture_;
   GrainStep<V> step_;

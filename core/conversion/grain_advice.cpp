@@ -28,8 +28,9 @@ GrainAdvice advise(const GrainJob& job) {
 std::string advice_text(const GrainJob& job) {
   const GrainAdvice a = advise(job);
   std::string s = fmt::format("film coefficient at the start, radiation included: {:.4g} W/m2/K\n", a.film);
-  s += fmt::format("Biot number h R / (3 k): {:.4g}: {}\n", a.biot,
-                   a.biot < 0.1 ? "one temperature (level = lumped) is enough" : "gradients matter (level = shells)");
+  s += fmt::format(
+      "Biot number h R / (3 k): {:.4g}: {}\n", a.biot,
+      a.biot < 0.1 ? "one temperature (level = lumped) is enough for the heat" : "gradients matter (level = shells)");
   s += fmt::format("time of conduction R^2 / diffusivity: {:.4g} s\n", a.diffusion);
   s += fmt::format("heat step: {:g} s; tr_bdf2 keeps profiles monotone up to {:.4g} s, euler always\n", job.step,
                    a.monotone);
@@ -38,6 +39,14 @@ std::string advice_text(const GrainJob& job) {
                    a.biot < 0.1 ? 2
                    : a.biot < 3 ? 10
                                 : 20);
+  // fronts stand in the middle of their shell: of a sphere that is all in one, at a quarter of its surface
+  constexpr std::size_t k_fine = 10;
+  const Matter& m = job.matter;
+  if (job.form.shells < k_fine && (!m.char_reactions.empty() || m.drying.kind == Drying::equilibrium))
+    s += fmt::format(
+        "char burns, and law = equilibrium dries, in the middle of a shell: with {} shell{} too slowly (one: "
+        "some three times), with 20 within 2 %\n",
+        job.form.shells, job.form.shells == 1 ? "" : "s");
   return s;
 }
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/count.hpp"
@@ -208,6 +209,11 @@ void read_laws(const Sections& in, Matter& m) {
     m.reactions.push_back(x);
   }
   m.shrinkage = {s.number("drying"), s.number("devolatilisation"), s.number("burn_off")};
+  if (s.number("drying") != 0 && (wet == m.solids.size() || !(m.solids[wet].initial > 0)))
+    s.fail("drying", "has no effect without material.moisture");
+  const auto is_fuel = [](const Solid& x) { return x.kind == Kind::fuel && x.initial > 0; };
+  if (s.number("devolatilisation") != 0 && std::none_of(m.solids.begin(), m.solids.end(), is_fuel))
+    s.fail("devolatilisation", "has no effect without a solid that devolatilises");
   if (!melt.given()) return;
   for (const char* key : {"solidus", "latent_heat"})
     if (!melt.has(key)) melt.missing(key, "required by [melting]");
@@ -263,6 +269,17 @@ void read_surroundings(const Sections& in, GrainJob& job) {
   a.film = r.series_if("film");
   a.contact_temperature = r.series_if("contact_temperature");
   a.pressure = r.number("pressure");
+  const Drying drying = job.matter.drying.kind;
+  const bool boils = drying == Drying::boiling || drying == Drying::equilibrium;
+  constexpr double k_far = 0.1;  // of the atmosphere's pressure: 3 K
+  if (boils && !in.one("drying").has("temperature") && std::fabs(a.pressure / k_atmosphere - 1) > k_far) {
+    const DryingLaw& law = job.matter.drying;  // Clausius and Clapeyron
+    const double at =
+        1 / (1 / law.temperature - k_gas_constant / (law.heat * 0.018015) * std::log(a.pressure / k_atmosphere));
+    in.one("drying").missing(
+        "temperature",
+        fmt::format("where surroundings.pressure is no atmosphere: water boils at about {:.0f} K there", at));
+  }
   for (const char* key : {"velocity", "law"}) r.exclusive("film", key);
   for (const char* key : {"wall_temperature", "flux", "contact_conductance", "film", "velocity"})
     r.exclusive("surface_temperature", key);

@@ -28,6 +28,8 @@ struct StepOptions {
   bool lumped = false;  ///< no gradient: one shell without inner resistance
 };
 
+inline constexpr double k_trace_capacity = 1e-3;  ///< of a kilogram at first [J/K]: a millionth of a solid's
+
 template <class V>
 class GrainStep {
  public:
@@ -53,7 +55,7 @@ class GrainStep {
   void share_rates(const Stage& w, const std::vector<V>& a, const std::vector<V>& b);
   void stage(GrainState<V>& g, const Stage& w, const Surroundings<V>& end, const GasAround<V>& gas);
   void reactions(GrainState<V>& g, const Stage& w, const GasAround<V>& gas);
-  void secondary(const Stage& w);
+  void secondary(const Stage& w, double pressure);
   void char_and_drying(const GrainState<V>& g, const Stage& w, const GasAround<V>& gas);
   void conductances(const GrainState<V>& g, const Surroundings<V>& s);
   void linearise(const GrainState<V>& g);

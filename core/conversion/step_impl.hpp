@@ -179,7 +179,7 @@ void GrainStep<V>::reactions(GrainState<V>& g, const Stage& w, const GasAround<V
     react(
         matter_, routes_, kt, late, ends, extra_[i], [&](std::size_t s) { return g.m(s, i); }, change_[i]);
   }
-  secondary(w);
+  secondary(w, gas.pressure);
   V passed = V(0), carried = V(0);
   for (std::size_t i = 0; i < n_; ++i) {
     for (const V& x : change_[i].released) passed = passed + x;
@@ -207,7 +207,7 @@ void GrainStep<V>::reactions(GrainState<V>& g, const Stage& w, const GasAround<V
 
 /// Reactions of gas on its way out: the time in a shell is the gas it holds over the gas that passes.
 template <class V>
-void GrainStep<V>::secondary(const Stage& w) {
+void GrainStep<V>::secondary(const Stage& w, double pressure) {
   if (routes_.secondary.empty()) return;
   std::vector<V> passing(matter_.gases.size(), V(0));
   for (std::size_t i = 0; i < n_; ++i) {
@@ -218,7 +218,7 @@ void GrainStep<V>::secondary(const Stage& w) {
       passing[k] = passing[k] + c.released[k];
       all = all + passing[k];
     }
-    const V held = gas_density(T1_[i], 101325, 0.03) * V(matter_.porosity) * volume_[i];
+    const V held = gas_density(T1_[i], pressure, 0.03) * V(matter_.porosity) * volume_[i];
     const V time = held * w.duration / most(all, V(1e-300));
     const auto h1 = mixture_.sensible(T1_[i]);
     const Ends<V> ends{T1_[i], T1_[i], h1, h1};
@@ -251,14 +251,15 @@ void GrainStep<V>::char_and_drying(const GrainState<V>& g, const Stage& w, const
   for (std::size_t i = n_; i-- > 0;) {
     Extra<V>& extra = extra_[i];
     const V T = T1_[i], middle = heat::area_of(shells_.shape, shells_.middle(i), shells_.factor);
-    const V pores = V(matter_.porosity * matter_.tortuosity_factor) * gas_diffusivity(T) * most(middle, tiny);
+    const V pores =
+        V(matter_.porosity * matter_.tortuosity_factor) * gas_diffusivity(T, gas.pressure) * most(middle, tiny);
     const V half = V(0.5) * shells_.thickness(i) / pores;
     const V dry0 = most(g.m0(Kind::fuel, i), tiny);
     if (dries) {
       const V m = g.m(moisture_, i), dried = half * V(2) * (V(1) - m / most(g.m0(Kind::moisture, i), tiny));
       const V front = wet_open * least(m / (V(0.02) * dry0), V(1));
       wet_open = wet_open - front;
-      const V drive = most(saturated_vapour(T, matter_.drying) - gas.vapour, V(0));
+      const V drive = most(saturated_vapour(T, matter_.drying, gas.pressure) - gas.vapour, V(0));
       extra.drying = steady(front * drive / (way + dried) * w.duration / most(m, tiny));
       extra.drying_slope = V(matter_.drying.heat * 0.018015 / k_gas_constant) / (T * T);
     }
@@ -307,7 +308,8 @@ typename GrainStep<V>::Taken GrainStep<V>::taken(const GrainState<V>& g, std::si
   };
   Taken t;
   t.sensible = until(mixture_.sensible(T1_[i]));
-  t.capacity = mixture_.capacity(m, T1_[i]);
+  // fuel without ash burns to nothing: what is left keeps a trace of heat capacity, and the debt what it does not hold
+  t.capacity = most(mixture_.capacity(m, T1_[i]), V(k_trace_capacity * matter_.density) * g.volume0[i]);
   t.share = V(1);
   V latent = V(0);
   if (boils_) {

@@ -14,6 +14,7 @@
 
 #include "core/base/error.hpp"
 #include "core/conversion/cell_gases.hpp"
+#include "core/grains/body.hpp"
 #include "scheduler/parts/conversion_part.hpp"
 #include "scheduler/parts/gas_coupling.hpp"
 
@@ -279,7 +280,10 @@ void Conversion::sizes(const PartView& w, const Chunk&, const RowSizes& s) const
     size = left > 1 ? size + (to / unit - size) / left : to / unit;
     s.mass[i - s.lo] = share < 1 ? mass + share * (end - mass) : end;
     const double first = row(now_, i)[bed_row(kind->tables->matter()).radius0];
-    if (share == 1 && to < s_.gone_below * first) s.radius[i - s.lo] = 0;
+    // fuel without ash ends at nothing, whatever its size: a grain of no mass cannot be moved
+    const double whole = number_of(w.rows, i) * Body{first, kind->job->matter.density}.mass();
+    constexpr double k_nothing = 1e-6;  // of its first mass
+    if (share == 1 && (to < s_.gone_below * first || end < k_nothing * whole)) s.radius[i - s.lo] = 0;
   }
 }
 

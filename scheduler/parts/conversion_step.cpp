@@ -19,7 +19,14 @@ constexpr double k_uptake_more = 1.1;  // film and size change within a step
 
 /// Clausius and Clapeyron's slope of a drying law: pressure of saturation ~ exp(-slope / T) [K].
 double slope_of(const BedMatter& m) { return m.evaporation * 0.018015 / 8.31446261815324; }
-double saturation(const BedMatter& m, double T) { return 101325 * det::exp(slope_of(m) / m.boiling - slope_of(m) / T); }
+double saturation(const BedMatter& m, double T, double pressure) {
+  return pressure * det::exp(slope_of(m) / m.boiling - slope_of(m) / T);
+}
+
+/// Of the gas around grains: beside [gas] that of its cells at first, whatever the grain file says [Pa].
+double pressure_around(const PartView& w, const SurroundingsOverTime& file) {
+  return w.rules.scene.gas.on ? w.rules.scene.gas.pressure : file.pressure;
+}
 }  // namespace
 
 /// Rows of one kind and what is around them, [column][row].
@@ -68,7 +75,7 @@ void Conversion::advance(const PartView& w, const Kind& kind, const std::vector<
   b.out = out.data();
   b.stride = static_cast<long>(in.stride);
   b.dt = w.rules.scene.dt * static_cast<double>(s_.every);
-  b.pressure = kind.job->around.pressure;
+  b.pressure = pressure_around(w, kind.job->around);
   b.scratch = reinterpret_cast<double*>((reinterpret_cast<std::uintptr_t>(scratch.data()) + 63) / 64 * 64);
   solver_(m, b);
   for (std::size_t k = 0; k < rows.size(); ++k)
@@ -248,14 +255,16 @@ std::vector<GasUptake> Conversion::uptakes(const PartView& w, const GasCells& ga
       if (kind == nullptr) continue;
       const BedMatter& m = kind->tables->matter();
       const bool burns = !kind->job->matter.char_reactions.empty() && shown_[k_shown_char][at] > 0;
-      const double saturated = m.dries != 0 ? saturation(m, outermost(*kind, i)) : k_never;
+      const double saturated =
+          m.dries != 0 ? saturation(m, outermost(*kind, i), pressure_around(w, kind->job->around)) : k_never;
       const bool wets = m.dries != 0 && outermost(*kind, i) < m.boiling && gas.saturable(i) > saturated;
       if (!burns && !wets) continue;
       const SurroundingsOverTime& a = kind->job->around;
       const GasNear g = gas.near(i);
+      const double pressure = pressure_around(w, a);
       const double r = radius_of(w.rows, i), number = number_of(w.rows, i), surface = shown_[k_shown_surface][at];
-      const Film f = film_of(a.gas, a.law, 2 * r, g.slip, g.temperature, surface, a.pressure);
-      const double density = gas_density(0.5 * (g.temperature + surface), a.pressure, a.gas.molar);
+      const Film f = film_of(a.gas, a.law, 2 * r, g.slip, g.temperature, surface, pressure);
+      const double density = gas_density(0.5 * (g.temperature + surface), pressure, a.gas.molar);
       const double through = number * (f.mass * g.film / f.heat) * (4 * det::k_pi * (r * r)) * density;
       if (burns)
         most[at].oxidant =

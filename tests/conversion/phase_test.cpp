@@ -119,7 +119,7 @@ TEST(Drying, EquilibriumReachesTheWetBulbBelowBoiling) {
   // heat of the film = heat of evaporation at the surface while the outermost shell is wet
   ASSERT_GT(g.state.m(1, 19), 0.1 * g.state.m0(Kind::moisture, 19));
   const double T = g.state.temperature[19];
-  const double evaporation = 2.26e6 * saturated_vapour(T, m.drying) * gas.film;
+  const double evaporation = 2.26e6 * saturated_vapour(T, m.drying, 101325) * gas.film;
   EXPECT_LT(T, 345);
   EXPECT_NEAR(h * (400 - g.state.surface), evaporation, 0.15 * evaporation);
   EXPECT_LT(std::fabs(g.heat_residual()), 1e-12 * g.state.heat_in);

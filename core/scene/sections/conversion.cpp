@@ -24,14 +24,14 @@ const Keys<ConversionScene> k_conversion(
             .acts(),
         key("shells", &ConversionScene::shells, "-", {1, 32},
             "shells of a grain; of a body that is no sphere those of equal spheres of radius 3 V/A, as many as have "
-            "its "
-            "volume",
+            "its volume. Char burns, and water of the law equilibrium dries, in the middle of a shell: with few shells "
+            "too "
+            "slowly (one: a quarter, 4: four fifths, 20: within 2 %)",
             "20")
             .with(k_wood),
         key("gone_below", &ConversionScene::gone_below, "-", {0, 1},
             "grains leave below this share of their first radius, bodies of their first scale; their ash is counted; "
-            "0: "
-            "never",
+            "0: never",
             "0.3")
             .with(k_wood),
         key("resize", &ConversionScene::resize, "radius and mass of the grains follow, of bodies their scale", "true")

@@ -1,0 +1,121 @@
+// Grains at the ends of what a grain file may say: other pressures, fuel without ash, starts within a range of melting,
+// shrinkage of what is not there.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/conversion/grain.hpp"
+#include "core/conversion/grain_run.hpp"
+
+namespace talus::conversion {
+namespace {
+
+/// The last value of a column of the table.
+double last(const std::string& table, const std::string& column) {
+  std::istringstream in(table);
+  std::string line, cell, end;
+  std::getline(in, line);
+  std::size_t at = 0, k = 0;
+  for (std::istringstream names(line); std::getline(names, cell, ','); ++k)
+    if (cell == column) at = k + 1;
+  if (at == 0) ADD_FAILURE() << column << " is no column of " << line;
+  while (std::getline(in, line))
+    if (!line.empty()) end = line;
+  std::istringstream row(end);
+  for (k = 0; k < at; ++k) std::getline(row, cell, ',');
+  return std::stod(cell);
+}
+
+double last(const std::string& text, const char* column) {
+  return last(grain_table(parse_grain(text, "g.toml")), column);
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    parse_grain(text, "g.toml");
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+std::string ball_of_char(const std::string& surroundings,
+                         const std::string& ash = "initial = { c = 0.95 }\nash = 0.05\n") {
+  return "[time]\nstep = 0.5\nduration = 20\noutput_every = 5\n[grain]\ndiameter = 0.004\ntemperature = 1200\n"
+         "[material]\ndensity = 300\n" +
+         ash +
+         "blowing = false\n[heat_capacity]\nfuel = 1500\n[conductivity]\nfuel = 100\n[[solid]]\nname = \"c\"\nkind = "
+         "\"char\"\n"
+         "[[char_reaction]]\nA = 50\nn = 0\nE = 0\n[surroundings]\ntemperature = 1200\noxygen = 0.05\n" +
+         surroundings;
+}
+
+/// A film lets rho D of oxygen through, which no pressure changes (rho ~ p, D ~ 1/p). Ash and kinetics add a little.
+TEST(GrainPressure, FilmLimitedBurningDoesNotDependOnIt) {
+  const std::string held = "contact_conductance = 100\ncontact_temperature = 1200\n";
+  const double one = last(ball_of_char(held), "oxygen_taken"),
+               ten = last(ball_of_char(held + "pressure = 1013250\n"), "oxygen_taken");
+  EXPECT_GT(ten, one);  // kinetics have ten times the oxygen
+  EXPECT_LT(ten, 1.15 * one);
+  EXPECT_EQ(gas_diffusivity(300.0, 101325) / 4, gas_diffusivity(300.0, 4 * 101325));
+}
+
+TEST(GrainPressure, BoilingIsThatOfThePressure) {
+  const std::string wet =
+      "[time]\nstep = 0.1\nduration = 1\n[grain]\ndiameter = 0.01\ntemperature = 300\n[material]\ndensity = 600\n"
+      "moisture = 0.3\n[heat_capacity]\nfuel = 1500\n[conductivity]\nfuel = 0.2\n[surroundings]\ntemperature = 800\n"
+      "film = 50\npressure = 5e5\n";
+  const std::string said = refusal(wet);  // steam tables: 425 K at 5 bar
+  EXPECT_NE(said.find("drying.temperature"), std::string::npos) << said;
+  EXPECT_NE(said.find("boils at about 42"), std::string::npos) << said;
+  EXPECT_EQ(refusal(wet + "[drying]\ntemperature = 425\n"), "accepted");
+  DryingLaw law;
+  law.temperature = 425;
+  EXPECT_NEAR(saturated_vapour(425.0, law, 5e5) / gas_density(425.0, 5e5, 0.018015), 1, 1e-12) << "boils there";
+}
+
+TEST(GrainWithoutAsh, BurnsToNothingAndStaysBounded) {
+  const std::string text = ball_of_char("velocity = 1\n", "initial = { c = 1 }\n");
+  const std::string whole = [&] {
+    std::string t = text;
+    t.replace(t.find("duration = 20"), 13, "duration = 400");
+    t.replace(t.find("oxygen = 0.05"), 13, "oxygen = 0.23");
+    return t;
+  }();
+  const std::string table = grain_table(parse_grain(whole, "g.toml"));
+  const double first = 300 * 4.0 / 3.0 * 3.14159265358979 * std::pow(0.002, 3);
+  EXPECT_LT(last(table, "mass"), 1e-6 * first);
+  EXPECT_NEAR(last(table, "mean_temperature"), 1200, 5) << "what is left has the temperature of its gas";
+}
+
+TEST(GrainShrinkage, OfWhatIsNotThereIsRefused) {
+  const std::string dry = ball_of_char("film = 50\n");
+  EXPECT_NE(refusal(dry + "[shrinkage]\ndrying = 0.3\n").find("without material.moisture"), std::string::npos);
+  EXPECT_NE(refusal(dry + "[shrinkage]\ndevolatilisation = 0.3\n").find("no effect without a solid"),
+            std::string::npos);
+  EXPECT_EQ(refusal(dry + "[shrinkage]\nburn_off = 0.3\n"), "accepted");
+}
+
+TEST(GrainMelting, BeginsWithTheShareThatItsTemperatureMeans) {
+  const auto liquid = [](double solidus, double liquidus, double T) {
+    const std::string text =
+        "[time]\nstep = 0.001\nduration = 1\n[grain]\ndiameter = 0.001\ntemperature = " + std::to_string(T) +
+        "\n[material]\ndensity = 7800\n[heat_capacity]\nfuel = 700\n[conductivity]\nfuel = 30\n[melting]\nsolidus = " +
+        std::to_string(solidus) + "\nliquidus = " + std::to_string(liquidus) +
+        "\nlatent_heat = 2.7e5\n[surroundings]\ntemperature = 300\nfilm = 500\n";
+    const GrainJob job = parse_grain(text, "g.toml");
+    return Grain<double>(job.matter, job.form, job.temperature, job.options).state.liquid[0];
+  };
+  EXPECT_NEAR(liquid(1650, 1700, 1680), 0.6, 1e-12);
+  EXPECT_EQ(liquid(1650, 1700, 1600), 0);
+  EXPECT_EQ(liquid(1650, 1700, 1750), 1);
+  EXPECT_EQ(liquid(1700, 1700, 1700), 0) << "at the melting point it is still solid";
+  EXPECT_EQ(liquid(1700, 1700, 1701), 1);
+}
+
+}  // namespace
+}  // namespace talus::conversion
