@@ -209,11 +209,13 @@ void read_laws(const Sections& in, Matter& m) {
     m.reactions.push_back(x);
   }
   m.shrinkage = {s.number("drying"), s.number("devolatilisation"), s.number("burn_off")};
-  if (s.number("drying") != 0 && (wet == m.solids.size() || !(m.solids[wet].initial > 0)))
-    s.fail("drying", "has no effect without material.moisture");
-  const auto is_fuel = [](const Solid& x) { return x.kind == Kind::fuel && x.initial > 0; };
-  if (s.number("devolatilisation") != 0 && std::none_of(m.solids.begin(), m.solids.end(), is_fuel))
-    s.fail("devolatilisation", "has no effect without a solid that devolatilises");
+  // what was never there has not gone
+  const auto begins_with = [&](Kind kind) {
+    return std::any_of(m.solids.begin(), m.solids.end(),
+                       [&](const Solid& x) { return x.kind == kind && x.initial > 0; });
+  };
+  if (!begins_with(Kind::moisture)) m.shrinkage.drying = 0;
+  if (!begins_with(Kind::fuel)) m.shrinkage.devolatilisation = 0;
   if (!melt.given()) return;
   for (const char* key : {"solidus", "latent_heat"})
     if (!melt.has(key)) melt.missing(key, "required by [melting]");

@@ -2,18 +2,20 @@
 // Invariant: partners of a row come in ascending storage index (I3), whatever the cells.
 #pragma once
 
+#include <array>
 #include <vector>
 
-#include "scheduler/part.hpp"
+#include "scheduler/state/rows.hpp"
+#include "scheduler/state/rules.hpp"
 
 namespace talus {
 
 /// Cells of an edge of at least `reach` over the domain; every living row lies in one, or every fixed one.
 class NearGrid {
  public:
-  NearGrid(const PartView& w, double reach, bool fixed_alone);
+  NearGrid(const Rules& rules, const Rows& rows, double reach, bool fixed_alone);
   /// Rows of it other than i whose cells meet that of i, ascending.
-  void partners(const PartView& w, Row i, std::vector<Row>& out) const;
+  void partners(const Rows& rows, Row i, std::vector<Row>& out) const;
 
  private:
   std::array<int, 3> cell_of(const double* x) const;

@@ -52,7 +52,7 @@ bool HeatNeighbours::meets_itself(double r) const {
 void HeatNeighbours::find(int blocks) {
   if (!reaches() && !w_.rules.has.fixed) return;
   const double r = largest_radius();
-  const NearGrid grid(w_, reach(r, r), !reaches());
+  const NearGrid grid(w_.rules, w_.rows, reach(r, r), !reaches());
   near_.resize(static_cast<std::size_t>(blocks));
   if (reaches()) shade_.assign(static_cast<std::size_t>(w_.rows.n), 1.0);
   entry_ = heat_wall_entries(s_, w_.walls);
@@ -70,7 +70,7 @@ void HeatNeighbours::find(const NearGrid& grid, int block) {
     near.first.push_back(static_cast<std::int32_t>(near.all.size()));
     near.first_wall.push_back(static_cast<std::int32_t>(near.walls.size()));
     partners.clear();
-    if (reaches() || fixed(i)) grid.partners(w_, i, partners);
+    if (reaches() || fixed(i)) grid.partners(w_.rows, i, partners);
     if (meets_itself(w_.rows.p[4L * i + 3])) partners.insert(std::lower_bound(partners.begin(), partners.end(), i), i);
     double seen = reaches() ? find_walls(i, near.walls, elements) : 0.0;
     seen = seen + find_grains(i, partners, near.all);

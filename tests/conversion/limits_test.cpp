@@ -30,7 +30,7 @@ double last(const std::string& table, const std::string& column) {
   return std::stod(cell);
 }
 
-double last(const std::string& text, const char* column) {
+double end_of(const std::string& text, const char* column) {
   return last(grain_table(parse_grain(text, "g.toml")), column);
 }
 
@@ -57,8 +57,8 @@ std::string ball_of_char(const std::string& surroundings,
 /// A film lets rho D of oxygen through, which no pressure changes (rho ~ p, D ~ 1/p). Ash and kinetics add a little.
 TEST(GrainPressure, FilmLimitedBurningDoesNotDependOnIt) {
   const std::string held = "contact_conductance = 100\ncontact_temperature = 1200\n";
-  const double one = last(ball_of_char(held), "oxygen_taken"),
-               ten = last(ball_of_char(held + "pressure = 1013250\n"), "oxygen_taken");
+  const double one = end_of(ball_of_char(held), "oxygen_taken"),
+               ten = end_of(ball_of_char(held + "pressure = 1013250\n"), "oxygen_taken");
   EXPECT_GT(ten, one);  // kinetics have ten times the oxygen
   EXPECT_LT(ten, 1.15 * one);
   EXPECT_EQ(gas_diffusivity(300.0, 101325) / 4, gas_diffusivity(300.0, 4 * 101325));
@@ -92,12 +92,12 @@ TEST(GrainWithoutAsh, BurnsToNothingAndStaysBounded) {
   EXPECT_NEAR(last(table, "mean_temperature"), 1200, 5) << "what is left has the temperature of its gas";
 }
 
-TEST(GrainShrinkage, OfWhatIsNotThereIsRefused) {
+TEST(GrainShrinkage, OfWhatWasNeverThereIsNone) {
   const std::string dry = ball_of_char("film = 50\n");
-  EXPECT_NE(refusal(dry + "[shrinkage]\ndrying = 0.3\n").find("without material.moisture"), std::string::npos);
-  EXPECT_NE(refusal(dry + "[shrinkage]\ndevolatilisation = 0.3\n").find("no effect without a solid"),
-            std::string::npos);
-  EXPECT_EQ(refusal(dry + "[shrinkage]\nburn_off = 0.3\n"), "accepted");
+  const auto radius = [&](const std::string& shrinkage) { return end_of(dry + "[shrinkage]\n" + shrinkage, "radius"); };
+  EXPECT_EQ(radius("drying = 0.3\n"), 0.002) << "there is no moisture";
+  EXPECT_EQ(radius("devolatilisation = 0.3\n"), 0.002) << "nor wood";
+  EXPECT_LT(radius("burn_off = 0.3\n"), 0.00199);
 }
 
 TEST(GrainMelting, BeginsWithTheShareThatItsTemperatureMeans) {

@@ -464,7 +464,7 @@ class FileSource : public ::testing::Test {
   std::filesystem::path path_;
 };
 
-TEST_F(FileSource, RowsBecomeParticlesAndFixedOnesAGroup) {
+TEST_F(FileSource, RowsBecomeParticlesOfTheGroupOfTheSource) {
   Scene s = scene("0,3,0.5,0.1,1,2,3,4,5,6,0\n0,3,1,0.2,0,0,0,0,0,0,1\n");
   s.groups.resize(2);
   s.groups[1].fixed_in_file = true;
@@ -480,7 +480,7 @@ TEST_F(FileSource, RowsBecomeParticlesAndFixedOnesAGroup) {
   EXPECT_EQ(p.fixed[0], 0);
   EXPECT_EQ(p.fixed[1], 1);
   EXPECT_EQ(p.group[0], 0);
-  EXPECT_EQ(p.group[1], 1);
+  EXPECT_EQ(p.group[1], 0);  // a group of what is fixed in its file takes nobody away
   EXPECT_EQ(insertion.next_step(0), INT64_MAX);
 }
 
