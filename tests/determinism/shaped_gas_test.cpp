@@ -85,7 +85,7 @@ TEST(ShapedGas, DependsOnTheTrajectoryAloneAndItsBooksClose) {
 }
 
 TEST(ShapedGas, ResumeGoesOnToTheBitWhileBodiesComeShrinkAndGo) {
-  expect_same_after_resume(burning(0.9651), k_run, {10, 333, 727});
+  expect_same_after_resume(burning(0.9996), k_run, {10, 333, 727});
 }
 
 TEST(ShapedGas, SteamCondensesOnColdBodies) {
@@ -124,7 +124,7 @@ TEST(ShapedGas, ASealedBoxKeepsMassAndEnergyOfGrainsAndGas) {
 }
 
 TEST(ShapedGas, BooksCloseWhileBurntOutBodiesLeave) {
-  Simulation sim(burning(0.9651), {});
+  Simulation sim(burning(0.9996), {});
   sim.run(k_run);
   EXPECT_GT(sim.counters().removed, 100);
   EXPECT_GT(sim.particles(), 30);
