@@ -100,7 +100,8 @@ constexpr GrainKey k_keys[] = {
      "\"arrhenius\""},
     {"drying", "A", T::number, "1/s", 0, k_big, true, "", "5.13e10", "of the rate", "5.13e6"},
     {"drying", "E", T::number, "J/mol", 0, 1e7, false, "", "88000", "of the rate", "87900"},
-    {"drying", "temperature", T::number, "K", 200, 1000, false, "", "373.15", "of boiling at the pressure of the gas around", "373.15"},
+    {"drying", "temperature", T::number, "K", 200, 1000, false, "", "373.15",
+     "of boiling at the pressure of the gas around", "373.15"},
     {"drying", "heat", T::number, "J/kg", 0, 1e8, false, "", "2.2569e6", "of evaporation", "2.4e6"},
 
     {"shrinkage", "drying", T::number, "-", -1, 0.9, false, "", "0", "share of the volume", "0.1"},

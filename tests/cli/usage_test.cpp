@@ -107,16 +107,16 @@ TEST_F(Cli, WrongNamesAreAnsweredWithWhatWasMeantInOneLine) {
 
 TEST_F(Cli, HelpOnAWordThatIsNoKeyNamesTheKeysThatAreAboutIt) {
   const std::vector<std::pair<std::string, std::string>> about{
-      {"clump", "shape.spheres"},         {"clumps", "shape.spheres"},    {"region", "source.region.radius"},
-      {"superquadric", "shape.semi_axes"}, {"Hertz", "contact.model"},
-      {"shape", "help scene shape"}};
+      {"clump", "shape.spheres"},          {"clumps", "shape.spheres"}, {"region", "source.region.radius"},
+      {"superquadric", "shape.semi_axes"}, {"Hertz", "contact.model"},  {"shape", "help scene shape"}};
   for (const auto& [word, key] : about) {
     const Result r = talus({"help", word});
     EXPECT_EQ(r.exit_code, 0) << word << r.err;
     EXPECT_NE(r.out.find(key), std::string::npos) << word << ": " << r.out;
   }
   // part of a word, a misspelt key, several words: no search
-  for (const char* word : {"clum", "frictoin", "wheel of fortune"}) EXPECT_EQ(talus({"help", word}).exit_code, 2) << word;
+  for (const char* word : {"clum", "frictoin", "wheel of fortune"})
+    EXPECT_EQ(talus({"help", word}).exit_code, 2) << word;
 }
 
 TEST_F(Cli, ForgottenThingsAreSaidOnceByRunAndCheckAndZeroIsMeant) {
