@@ -135,9 +135,20 @@ void Step<S>::film() {
   gain_ = dt_ * (inner_ * gain * share);
 }
 
+/// A front stands where what is left of its shell ends. `left`: share of what was there; the rest has shrunk by the
+/// share `shrinks` of its volume. below3, face3: cubes of the faces.
+template <class S>
+typename S::B front_at(typename S::B below3, typename S::B face3, typename S::B face, typename S::B left,
+                       double shrinks) {
+  const auto one = S::set(1), l = clamped<S>(left, S::set(0), one);
+  const auto core = l / (one - S::set(shrinks) * (one - l));
+  return least<S>(power<S>(most<S>(below3 + core * (face3 - below3), S::set(1e-60)), 1.0 / 3), face);
+}
+
 template <class S>
 void Step<S>::fronts() {
-  const B tiny = S::set(1e-300), one = S::set(1), zero = S::set(0), two = S::set(2), trace = S::set(50);
+  const B tiny = S::set(1e-300), one = S::set(1), zero = S::set(0), trace = S::set(50),
+          sphere = S::set(12.566370614359172);
   const B least_part = S::set(1e-60);  // products of three stay numbers
   const B density = gas_density<S>(S::set(0.5) * (in(k_in_gas) + surface_), pressure_, m.gas_molar);
   const B oxidant[3] = {density * in(k_in_oxygen), density * in(k_in_carbon_dioxide), density * in(k_in_steam)};
@@ -146,46 +157,52 @@ void Step<S>::fronts() {
   const double *faces = cell(place_.face), *coals = part(w_.before, 2);
   for (int i = n; i-- > 0;) {
     const B t = ld(T_, i), face = ld(faces, i), below = i > 0 ? ld(faces, i - 1) : zero;
-    const B middle = S::set(0.5) * (face + below), surface = S::set(12.566370614359172) * middle * middle;
+    const B middle = S::set(0.5) * (face + below), face3 = face * face * face, below3 = below * below * below;
+    const B pores = S::set(m.pores) * gas_diffusivity<S>(t, pressure_) * sphere;
     const B first = cube * S::set(m.volume[i]), dry0 = most<S>(first * S::set(m.fuel_density), tiny);
     const B coal = m.chars > 0 && there_[2] ? ld(coals, i) : zero, gone = burnt(i);
     const B char0 = most<S>(coal + gone, least_part);
     // one division for the reciprocals of a passage, what there was of char, and all of the shell
-    const B passage = most<S>(S::set(m.pores) * gas_diffusivity<S>(t, pressure_) * surface, least_part),
-            whole = dry0 + char0;
+    const B passage = most<S>(pores * middle * middle, least_part), whole = dry0 + char0;
     const B chars = char0 * whole, all = one / (passage * chars);
-    const B half = S::set(0.5) * (face - below) * (all * chars);
     if (m.dries != 0) {
       const B wet = ld(mass(m.moisture), i);
-      B dried = half * two * (one - wet / most<S>(first * S::set(m.moisture_density), tiny));
-      dried = S::select(S::lt(dried, S::set(-1e-9) * half), zero, dried);  // wetter than at first: nothing is dry
       const B front = wet_open * least<S>(wet * trace / dry0, one);
       wet_open = wet_open - front;
       B K = zero;
       if (S::any(S::gt(front, zero))) {
+        // wetter than at first: the front is the face
+        const B at =
+            front_at<S>(below3, face3, face, wet / most<S>(first * S::set(m.moisture_density), tiny), m.shrink[0]);
+        const B dried = (face - at) / most<S>(pores * face * at, least_part);
         const B drive = most<S>(saturated<S>(m, t, pressure_) - oxidant[2], zero);
         K = steady<S>(front * drive / (way + dried) * dt_ / most<S>(wet, tiny));
       }
       st(w_.drying, i, K);
     }
     if (m.chars > 0) {
-      const B shared = all * passage, ash = half * two * gone * (shared * whole);
+      const B shared = all * passage;
       const B front = char_open * least<S>(coal * trace * (shared * char0), one);
       char_open = char_open - front;
+      B at = face, ash = zero;
+      if (S::any(S::gt(front, zero))) {
+        at = front_at<S>(below3, face3, face, coal * (shared * whole), m.shrink[2]);
+        ash = (face - at) / most<S>(pores * face * at, least_part);
+      }
       for (int c = 0; c < m.chars; ++c) {
         B K = zero, x = zero;
         const BedChar& r = m.burning[c];
         if (S::any(S::gt(front * oxidant[r.oxidant], zero))) {
           x = monoxide_share<S>(r, ld(w_.inverse, i));
-          const B kinetic = one / most<S>(arrhenius<S>(r.A, r.n, r.E, t, ld(w_.inverse, i)) * surface, tiny);
-          const B flow = front * oxidant[r.oxidant] / (way + ash + kinetic);
+          const B rate = arrhenius<S>(r.A, r.n, r.E, t, ld(w_.inverse, i)) * sphere * at * at;
+          const B flow = front * oxidant[r.oxidant] / (way + ash + one / most<S>(rate, tiny));
           K = steady<S>(flow / (S::set(m.char_carbon) * yield_of<S>(r, x).oxidant) * dt_ / most<S>(coal, tiny));
         }
         st(part(w_.burning, c), i, K);
         st(part(w_.monoxide, c), i, x);
       }
     }
-    way = way + half + half;
+    way = way + (face - below) * (all * chars);
   }
 }
 

@@ -39,14 +39,6 @@ std::string advice_text(const GrainJob& job) {
                    a.biot < 0.1 ? 2
                    : a.biot < 3 ? 10
                                 : 20);
-  // fronts stand in the middle of their shell: of a sphere that is all in one, at a quarter of its surface
-  constexpr std::size_t k_fine = 10;
-  const Matter& m = job.matter;
-  if (job.form.shells < k_fine && (!m.char_reactions.empty() || m.drying.kind == Drying::equilibrium))
-    s += fmt::format(
-        "char burns, and law = equilibrium dries, in the middle of a shell: with {} shell{} too slowly (one: "
-        "some three times), with 20 within 2 %\n",
-        job.form.shells, job.form.shells == 1 ? "" : "s");
   return s;
 }
 

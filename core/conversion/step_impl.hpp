@@ -238,25 +238,34 @@ void GrainStep<V>::secondary(const Stage& w, double pressure) {
 }
 
 /// Evaporation at the wet front and burning at the char front: a shell counts as far as the shells around it let gas
-/// through, and as front while it holds more than a trace.
+/// through, and as front while it holds more than a trace. The front stands where what is left of the shell ends.
 template <class V>
 void GrainStep<V>::char_and_drying(const GrainState<V>& g, const Stage& w, const GasAround<V>& gas) {
   const bool dries = has_moisture_ && matter_.drying.kind == Drying::equilibrium;
   if (!dries && matter_.char_reactions.empty()) return;
   const V area = shells_.area[n_], tiny = V(1e-300);
+  using heat::square_root;
+  const auto surface = [&](V r) { return most(heat::area_of(shells_.shape, r, shells_.factor), tiny); };
   const V blow =
       !matter_.blowing ? V(0) : stage_gas_ / most(gas_density(surface_T_, gas.pressure, 0.029) * gas.film * area, tiny);
   V way = V(1) / most(gas.film * blown(most(blow, V(0))) * area, tiny);  // resistance to here [s/m3]
   V wet_open = V(1), char_open = V(1);
   for (std::size_t i = n_; i-- > 0;) {
     Extra<V>& extra = extra_[i];
-    const V T = T1_[i], middle = heat::area_of(shells_.shape, shells_.middle(i), shells_.factor);
-    const V pores =
-        V(matter_.porosity * matter_.tortuosity_factor) * gas_diffusivity(T, gas.pressure) * most(middle, tiny);
-    const V half = V(0.5) * shells_.thickness(i) / pores;
+    const V T = T1_[i], outer = shells_.face[i + 1];
+    const V pores = V(matter_.porosity * matter_.tortuosity_factor) * gas_diffusivity(T, gas.pressure);
+    const V below = heat::volume_of(shells_.shape, shells_.face[i], shells_.factor);
+    // share `left` of what was there, of which the rest has shrunk by the share `shrinks` of its volume
+    const auto front_at = [&](V left, double shrinks) {
+      const V l = clamped(left, V(0), V(1)), core = l / (V(1) - V(shrinks) * (V(1) - l)) * volume_[i];
+      return least(heat::radius_of(shells_.shape, below + core, shells_.factor), outer);
+    };
+    // through what lies before a front at r: exact for spheres and plates
+    const auto before = [&](V r) { return (outer - r) / most(pores * surface(square_root(outer * r)), tiny); };
     const V dry0 = most(g.m0(Kind::fuel, i), tiny);
     if (dries) {
-      const V m = g.m(moisture_, i), dried = half * V(2) * (V(1) - m / most(g.m0(Kind::moisture, i), tiny));
+      const V m = g.m(moisture_, i),
+              dried = before(front_at(m / most(g.m0(Kind::moisture, i), tiny), matter_.shrinkage.drying));
       const V front = wet_open * least(m / (V(0.02) * dry0), V(1));
       wet_open = wet_open - front;
       const V drive = most(saturated_vapour(T, matter_.drying, gas.pressure) - gas.vapour, V(0));
@@ -266,7 +275,8 @@ void GrainStep<V>::char_and_drying(const GrainState<V>& g, const Stage& w, const
     V char_mass = V(0);
     for (std::size_t s = 0; s < matter_.solids.size(); ++s)
       if (matter_.solids[s].kind == Kind::char_) char_mass = char_mass + g.m(s, i);
-    const V burnt = g.m0(Kind::char_, i), ash = half * V(2) * burnt / most(char_mass + burnt, tiny);
+    const V burnt = g.m0(Kind::char_, i),
+            at = front_at(char_mass / most(char_mass + burnt, tiny), matter_.shrinkage.burn_off), ash = before(at);
     const V solid0 = most(g.m0(Kind::fuel, i) + char_mass + burnt, tiny);
     const V front = char_open * least(char_mass / (V(0.02) * solid0), V(1));
     char_open = char_open - front;
@@ -276,12 +286,12 @@ void GrainStep<V>::char_and_drying(const GrainState<V>& g, const Stage& w, const
       const V around = r.oxidant == CharReaction::Oxidant::oxygen           ? gas.oxygen
                        : r.oxidant == CharReaction::Oxidant::carbon_dioxide ? gas.carbon_dioxide
                                                                             : gas.steam;
-      const V kinetic = V(1) / most(arrhenius(r.A, r.n, r.E, T) * middle, tiny);
+      const V kinetic = V(1) / most(arrhenius(r.A, r.n, r.E, T) * surface(at), tiny);
       const V oxidant = front * around / (way + ash + kinetic);  // [kg/s]
       extra.burning[c] = steady(oxidant / y.oxidant * w.duration / most(char_mass, tiny));
       extra.burning_heat[c] = y.heat;
     }
-    way = way + half + half;
+    way = way + shells_.thickness(i) / most(pores * surface(shells_.middle(i)), tiny);
   }
 }
 

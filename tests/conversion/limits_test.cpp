@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -90,6 +91,41 @@ TEST(GrainWithoutAsh, BurnsToNothingAndStaysBounded) {
   const double first = 300 * 4.0 / 3.0 * 3.14159265358979 * std::pow(0.002, 3);
   EXPECT_LT(last(table, "mass"), 1e-6 * first);
   EXPECT_NEAR(last(table, "mean_temperature"), 1200, 5) << "what is left has the temperature of its gas";
+}
+
+/// A shrinking core (Levenspiel): kinetics, film and ash in series. t = rho/(y C) (R/k (1 - r) + R/(3 h) (1 - r^3) +
+/// R^2/(6 D) (1 - 3 r^2 + 2 r^3)), r^3 the share of char that is left, y the char that a kilogram of oxygen burns.
+TEST(GrainChar, BurnsAsAShrinkingCoreWhateverItsShells) {
+  const auto text = [](double A, const std::string& level, double step, double end) {
+    std::ostringstream t;
+    t << "[time]\nstep = " << step << "\nduration = " << end << "\noutput_every = " << end
+      << "\n[grain]\ndiameter = 0.01\ntemperature = 800\n"
+      << level
+      << "[material]\ndensity = 300\ninitial = { c = 0.95 }\nash = 0.05\nblowing = false\nporosity = 0.5\n"
+         "pore_diffusion = 0.1\n[heat_capacity]\nfuel = 1500\n[conductivity]\nfuel = 1e4\n[[solid]]\nname = \"c\"\n"
+         "kind = \"char\"\n[[char_reaction]]\nA = "
+      << A
+      << "\nn = 0\nE = 0\nratio_A = 0\n[surroundings]\ntemperature = 800\noxygen = 0.23\ncontact_conductance = 1e5\n"
+         "contact_temperature = 800\n";
+    return t.str();
+  };
+  const double R = 0.005, first = 285 * 4.0 / 3.0 * 3.14159265358979 * R * R * R, y = 0.012011 / 0.0319988;
+  for (const double A : {1e-4, 3e-3, 10.0})  // kinetics; all three; ash and film
+    for (const char* level : {"level = \"lumped\"\n", "shells = 2\n", "shells = 4\n", "shells = 20\n"}) {
+      const GrainJob job = parse_grain(text(A, level, 1, 2), "g.toml");
+      const GasAround<double> gas = job.around.gas_at(0, R, 800);
+      const double D = job.matter.porosity * job.matter.tortuosity_factor * gas_diffusivity(800.0, 101325);
+      const auto time_of = [&](double r) {
+        return 285 / (y * gas.oxygen) *
+               (R / A * (1 - r) + R / (3 * gas.film) * (1 - r * r * r) +
+                R * R / (6 * D) * (1 - 3 * r * r + 2 * r * r * r));
+      };
+      const double end = time_of(std::cbrt(0.4));
+      const double found = time_of(std::cbrt(end_of(text(A, level, end / 1000, end), "char") / first));
+      EXPECT_NEAR(found / end, 1, 0.005) << A << " " << level;
+      std::printf("[figure] char, A = %g m/s, %.*s: time / that of the shrinking core %.4f\n", A,
+                  static_cast<int>(std::string(level).size()) - 1, level, end / found);
+    }
 }
 
 TEST(GrainShrinkage, OfWhatWasNeverThereIsNone) {

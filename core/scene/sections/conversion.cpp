@@ -24,9 +24,7 @@ const Keys<ConversionScene> k_conversion(
             .acts(),
         key("shells", &ConversionScene::shells, "-", {1, 32},
             "shells of a grain; of a body that is no sphere those of equal spheres of radius 3 V/A, as many as have "
-            "its volume. Char burns, and water of the law equilibrium dries, in the middle of a shell: with few shells "
-            "too "
-            "slowly (one: a quarter, 4: four fifths, 20: within 2 %)",
+            "its volume",
             "20")
             .with(k_wood),
         key("gone_below", &ConversionScene::gone_below, "-", {0, 1},
