@@ -98,4 +98,5 @@ class GrainStep {
 
 }  // namespace talus::conversion
 
+#include "core/conversion/step_fronts_impl.hpp"
 #include "core/conversion/step_impl.hpp"
