@@ -31,6 +31,20 @@ struct TimeTable {
     if (k == time.size()) return value.back();
     return value[k - 1] + (value[k] - value[k - 1]) * ((t - time[k - 1]) / (time[k] - time[k - 1]));
   }
+  /// Mean over [middle - width/2, middle + width/2], exact; the value in the middle where no point lies within.
+  double mean(double middle, double width) const noexcept {
+    const double from = middle - 0.5 * width, to = middle + 0.5 * width;
+    double sum = 0, t = from, x = (*this)(from);
+    std::size_t k = 0;
+    while (k < time.size() && time[k] <= from) ++k;
+    if (k == time.size() || time[k] >= to) return (*this)(middle);
+    for (; k < time.size() && time[k] < to; ++k) {
+      sum = sum + 0.5 * (x + value[k]) * (time[k] - t);
+      t = time[k], x = value[k];
+    }
+    const double end = k < time.size() ? x + (value[k] - x) * ((to - t) / (time[k] - t)) : x;
+    return (sum + 0.5 * (x + end) * (to - t)) / (to - from);
+  }
   double least() const noexcept {
     double x = value.front();
     for (const double v : value) x = v < x ? v : x;

@@ -36,7 +36,9 @@ void Step<S>::react() {
       st(w_.heat, i, ld(w_.heat, i) + lost_per * ld(released, i));
     }
     for (int r = m.first[s]; r < m.first[s + 1]; ++r) {
-      S::store(w_.total + S::W * r, products(m.reaction[r], part(w_.rate, r), share));
+      const B extent = products(m.reaction[r], part(w_.rate, r), share);
+      S::store(w_.total + S::W * r, extent);
+      outflow_ = outflow_ + S::set(m.reaction[r].gas_mass) * extent;
       if (m.carries != 0)
         for (int i = 0; i < n; ++i)
           carried_ = carried_ +
@@ -46,6 +48,7 @@ void Step<S>::react() {
       for (int i = 0; i < n; ++i) {
         const B vapour = ld(share, i) * ld(w_.drying, i);
         evaporated_ = evaporated_ + vapour;
+        outflow_ = outflow_ + vapour;
         if (m.carries != 0) carried_ = carried_ + vapour * ld(w_.gas, i);
       }
     if (burns(s))
@@ -78,6 +81,7 @@ void Step<S>::burn(int c, int s, const double* share) {
     const B carbon = S::set(m.char_carbon) * x;
     add(k_out_standard, carbon * y.heat + S::set(r.to_cells) * x);
     st(done, i, ld(done, i) + x);
+    outflow_ = outflow_ + x;
     add(k_out_oxygen + r.oxidant, carbon * y.oxidant);
     if (m.carbon_monoxide >= 0) add(k_out_released + m.carbon_monoxide, carbon * y.carbon_monoxide);
     if (m.carbon_dioxide >= 0 && r.oxidant == 0) add(k_out_released + m.carbon_dioxide, carbon * y.carbon_dioxide);
@@ -157,6 +161,7 @@ typename S::B Step<S>::evaporate(int i, typename S::B heat, typename S::B wanted
   const B vapour = part * S::set(m.per_evaporation);
   st(water, i, most<S>(wet - vapour, zero));
   evaporated_ = evaporated_ + vapour;
+  outflow_ = outflow_ + vapour;
   reaction_ = reaction_ - part;
   if (m.carries != 0) carried_ = carried_ + vapour * ld(w_.gas, i);
   return part;
@@ -184,6 +189,7 @@ void Step<S>::finish() {
   put(k_out_radius, ld(faces, n - 1));
   S::store(cell(place_.surface), surface_);
   S::store(cell(place_.carried), carried_ / dt_);
+  S::store(cell(place_.outflow), outflow_ / dt_);
   put(k_out_surface, surface_);
   add(k_out_reaction, reaction_);
   add(k_out_with_gas, with_gas_);

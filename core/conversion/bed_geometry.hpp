@@ -123,7 +123,7 @@ template <class S>
 TALUS_SHAPES_INLINE typename S::B volume_share(const BedMatter& m, const Shares<S>& s) {
   const auto one = S::set(1);
   return (one - S::set(m.shrink[0]) * (one - s.moisture)) * (one - S::set(m.shrink[1]) * (one - s.fuel)) *
-         (one - S::set(m.shrink[2]) * (one - s.char_left));
+         (one - S::set(m.shrink[2]) * ((one - s.fuel) * (one - s.char_left)));
 }
 template <class S>
 TALUS_SHAPES_INLINE typename S::B emissivity(const BedMatter& m, const Shares<S>& s) {

@@ -216,7 +216,8 @@ BedRow bed_row(const BedMatter& m) {
   r.radius0 = r.burnt + (m.chars > 0 ? n : 0);
   r.surface = r.radius0 + 1;
   r.carried = r.radius0 + 2;
-  r.size = (r.radius0 + 3 + 7) / 8 * 8;
+  r.outflow = r.radius0 + 3;
+  r.size = (r.radius0 + 4 + 7) / 8 * 8;
   return r;
 }
 

@@ -99,8 +99,9 @@ struct BedMatter {
 /// Places in the row of a grain; each of the first stretches over the shells, from the centre outwards.
 struct BedRow {
   int temperature, debt, face, mass, burnt;
-  int radius0, surface, carried;  ///< initial radius [m], surface temperature [K], heat capacity flow of gas [W/K]
-  int size;                       ///< doubles, a multiple of 8
+  int radius0, surface;  ///< initial radius [m], surface temperature [K]
+  int carried, outflow;  ///< heat capacity flow [W/K] and mass flow [kg/s] of the gas that comes out
+  int size;              ///< doubles, a multiple of 8
 };
 BedRow bed_row(const BedMatter& m);
 

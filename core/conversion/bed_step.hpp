@@ -37,7 +37,7 @@ class Step {
     stride_ = stride;
     T_ = cell(place_.temperature);
     for (int k = 0; k < k_out_released + m.gases; ++k) put(k, S::set(0));
-    evaporated_ = carried_ = reaction_ = with_gas_ = S::set(0);
+    evaporated_ = carried_ = outflow_ = reaction_ = with_gas_ = S::set(0);
     radius0_ = S::load(cell(place_.radius0));
     surface_ = S::load(cell(place_.surface));
     condenses_ = m.dries != 0 && S::any(S::gt(this->in(k_in_condensing), S::set(0)));
@@ -152,7 +152,7 @@ class Step {
   bool there_[k_bed_kinds] = {}, boils_ = false, condenses_ = false;  ///< in some lane
   Range<S> range_;  ///< of the temperatures that properties are asked for at
   B radius0_, surface_, emissivity_, area_, inner_, mass_film_, surface_gain_, surface_slope_, around_gain_,
-      around_loss_, gain_, loss_, heat_in_, dew_heat_, dew_share_, carried_, evaporated_, reaction_, with_gas_;
+      around_loss_, gain_, loss_, heat_in_, dew_heat_, dew_share_, carried_, outflow_, evaporated_, reaction_, with_gas_;
 };
 
 }  // namespace talus::conversion::bed

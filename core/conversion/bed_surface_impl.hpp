@@ -109,9 +109,11 @@ void Step<S>::film() {
   }
   if (m.blows != 0) {
     const B loss = S::load(cell(place_.carried));
-    const B share = blown<S>(loss / most<S>(h * area_, S::set(1e-300)));
-    h = h * share;
-    mass_film = mass_film * share;
+    h = h * blown<S>(loss / most<S>(h * area_, S::set(1e-300)));
+    if (m.chars > 0 || m.dries != 0) {  // of the mass that comes out, as of a single grain
+      const B through = gas_density<S>(surface_, pressure_, 0.029) * mass_film * area_;
+      mass_film = mass_film * blown<S>(S::load(cell(place_.outflow)) / most<S>(through, S::set(1e-300)));
+    }
   }
   mass_film_ = mass_film;
   h = h * (S::set(1) - in(k_in_apart));
@@ -154,7 +156,8 @@ void Step<S>::fronts() {
   const B oxidant[3] = {density * in(k_in_oxygen), density * in(k_in_carbon_dioxide), density * in(k_in_steam)};
   B way = one / most<S>(mass_film_ * area_, tiny), wet_open = one, char_open = one;
   const B cube = radius0_ * radius0_ * radius0_;
-  const double *faces = cell(place_.face), *coals = part(w_.before, 2);
+  const double *faces = cell(place_.face), *fuels = part(w_.before, 1), *coals = part(w_.before, 2);
+  const B per_fuel = S::set(m.per_fuel_density) / cube;
   for (int i = n; i-- > 0;) {
     const B t = ld(T_, i), face = ld(faces, i), below = i > 0 ? ld(faces, i - 1) : zero;
     const B middle = S::set(0.5) * (face + below), face3 = face * face * face, below3 = below * below * below;
@@ -186,7 +189,9 @@ void Step<S>::fronts() {
       char_open = char_open - front;
       B at = face, ash = zero;
       if (S::any(S::gt(front, zero))) {
-        at = front_at<S>(below3, face3, face, coal * (shared * whole), m.shrink[2]);
+        const B fuel = there_[1] ? ld(fuels, i) * (per_fuel * S::set(m.per_volume[i])) : zero;
+        const B gone_out = gone * (shared * whole) * (one - fuel);  // Mixture::burnt_out
+        at = front_at<S>(below3, face3, face, one - gone_out, m.shrink[2]);
         ash = (face - at) / most<S>(pores * face * at, least_part);
       }
       for (int c = 0; c < m.chars; ++c) {

@@ -188,7 +188,14 @@ void complete_char(Matter& m) {
   }
 }
 
-/// Char that burns: its carbon burns, its hydrogen and oxygen leave as steam and hydrogen.
+}  // namespace
+
+double formation_enthalpy(int species) { return gas::enthalpy(species, k_standard); }
+double formation_of(const std::string& species) {
+  const int k = species_of(species);
+  return k < 0 ? 0 : formation_enthalpy(k);
+}
+
 void settle_char(Matter& m) {
   if (m.char_reactions.empty()) return;
   const Solid* first = nullptr;
@@ -200,20 +207,11 @@ void settle_char(Matter& m) {
     if (!(c[carbon] > 0) || c[ash_element] != 0 || c[water] != 0 || c != d || rest < -k_rounding)
       throw Error(ErrorCode::scene,
                   fmt::format("'{}' burns, and is not carbon, hydrogen and oxygen of its steam alone", s.name),
-                  "char_reaction",
-                  "char of one composition, { C = 1 } or with at most 7.9 kg of O per kg of H, beside [gas]");
+                  "char_reaction", "char of one composition, { C = 1 } or with at most 7.9 kg of O per kg of H");
     m.char_carbon = c[carbon];
     m.char_steam = steam;
     m.char_hydrogen = std::max(rest, 0.0);
   }
-}
-
-}  // namespace
-
-double formation_enthalpy(int species) { return gas::enthalpy(species, k_standard); }
-double formation_of(const std::string& species) {
-  const int k = species_of(species);
-  return k < 0 ? 0 : formation_enthalpy(k);
 }
 
 Matter with_cell_gases(const Matter& matter) {

@@ -282,6 +282,16 @@ void read_surroundings(const Sections& in, GrainJob& job) {
         "temperature",
         fmt::format("where surroundings.pressure is no atmosphere: water boils at about {:.0f} K there", at));
   }
+  using Oxidant = CharReaction::Oxidant;
+  const auto taken = [&](Oxidant oxidant) {
+    const auto& all = job.matter.char_reactions;
+    return std::any_of(all.begin(), all.end(), [&](const CharReaction& c) { return c.oxidant == oxidant; });
+  };
+  if (r.has("oxygen") && !taken(Oxidant::oxygen)) r.fail("oxygen", "has no effect without a [[char_reaction]]");
+  if (r.has("carbon_dioxide") && !taken(Oxidant::carbon_dioxide))
+    r.fail("carbon_dioxide", "has no effect without a [[char_reaction]] with oxidant = carbon_dioxide");
+  if (r.has("steam") && !taken(Oxidant::steam) && drying != Drying::equilibrium)
+    r.fail("steam", "has no effect without a [[char_reaction]] with oxidant = steam, or drying.law = equilibrium");
   for (const char* key : {"velocity", "law"}) r.exclusive("film", key);
   for (const char* key : {"wall_temperature", "flux", "contact_conductance", "film", "velocity"})
     r.exclusive("surface_temperature", key);
@@ -300,6 +310,18 @@ double Series::at(double t) const {
     return value[k - 1] + (t - time[k - 1]) / (time[k] - time[k - 1]) * (value[k] - value[k - 1]);
   }
   return value.back();
+}
+
+double Series::missed(double from, double to) const {
+  std::size_t k = 0;
+  while (k < time.size() && time[k] <= from) ++k;
+  if (k == time.size() || time[k] >= to) return 0;
+  double sum = 0, t = from, x = at(from);
+  for (; k < time.size() && time[k] < to; ++k) {
+    sum += 0.5 * (x + value[k]) * (time[k] - t);
+    t = time[k], x = value[k];
+  }
+  return (sum + 0.5 * (x + at(to)) * (to - t)) / (to - from) - 0.5 * (at(from) + at(to));
 }
 
 double Series::largest() const {

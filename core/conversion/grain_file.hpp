@@ -18,6 +18,9 @@ struct Series {
   std::vector<double> time, value;
   double at(double t) const;
   double largest() const;
+  /// Mean over [from, to] less the mean of the two ends: what a step that knows its ends alone would miss. 0 where no
+  /// point lies within.
+  double missed(double from, double to) const;
 };
 
 struct SurroundingsOverTime {

@@ -24,7 +24,7 @@ constexpr GrainSection k_sections[] = {
     {"drying", false, "how moisture leaves"},
     {"shrinkage", false,
      "volume = initial volume (1 - drying X)(1 - devolatilisation Y)(1 - burn_off Z) per shell, with the shares of "
-     "moisture, fuel and char that have gone"},
+     "moisture and fuel that have gone, and Z = Y times the share of the char that has burnt"},
     {"melting", false, "enthalpy method: solidus, liquidus, latent heat"},
     {"solid", true, "a solid of the grain, beside those of the scheme"},
     {"gas", true, "a gas that reactions release"},

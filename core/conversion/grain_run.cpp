@@ -4,22 +4,39 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <vector>
 
 #include "core/base/error.hpp"
 
 namespace talus::conversion {
 namespace {
 
+using Oxidant = CharReaction::Oxidant;
+
+/// Beside oxygen.
+std::vector<Oxidant> others_taken(const GrainJob& job) {
+  std::vector<Oxidant> all;
+  for (const Oxidant o : {Oxidant::carbon_dioxide, Oxidant::steam})
+    for (const CharReaction& c : job.matter.char_reactions)
+      if (c.oxidant == o) {
+        all.push_back(o);
+        break;
+      }
+  return all;
+}
+
 std::string head_of(const GrainJob& job) {
   std::string s =
       "time,mass,mean_temperature,surface_temperature,centre_temperature,half_radius_temperature,radius,moisture,fuel,"
       "char,ash,heat_in,heat_residual,mass_residual,carbon_residual,hydrogen_residual,oxygen_residual,ash_residual,"
       "water_residual,oxygen_taken";
+  for (const auto oxidant : others_taken(job))
+    s += oxidant == Oxidant::steam ? ",steam_taken" : ",carbon_dioxide_taken";
   for (const auto& g : job.matter.gases) s += ",released_" + g.name;
   return s + "\n";
 }
 
-std::string row_of(const Grain<double>& g) {
+std::string row_of(const Grain<double>& g, const std::vector<Oxidant>& others) {
   const auto t = g.totals();
   const auto& s = g.state;
   std::string row;
@@ -29,6 +46,7 @@ std::string row_of(const Grain<double>& g) {
     put(x);
   for (std::size_t e = 0; e < k_elements; ++e) put(g.element_residual(e));
   put(s.oxygen_taken);
+  for (const Oxidant o : others) put(o == Oxidant::steam ? s.steam_taken : s.carbon_dioxide_taken);
   for (const double x : s.released) put(x);
   return row + "\n";
 }
@@ -104,14 +122,19 @@ std::string grain_table(const GrainJob& job) {
   auto before = around(0);
   g.begin(before);
   before = around(0);
-  std::string text = head_of(job) + row_of(g);
+  const std::vector<Oxidant> others = others_taken(job);
+  std::string text = head_of(job) + row_of(g, others);
   for (std::int64_t n = 1; n <= job.steps; ++n) {
     const double t = static_cast<double>(n) * job.step;
     const auto gas = job.around.gas_at(t, g.state.shells.radius(), g.state.surface);
     before = around(t - job.step);
-    advance(g, job, before, around(t), gas);
+    auto after = around(t);
+    const double missed = job.around.flux.missed(t - job.step, t);  // all heat of a pulse within the step
+    before.flux += missed;
+    after.flux += missed;
+    advance(g, job, before, after, gas);
     check_state(g);
-    if (n % job.output_steps == 0 || n == job.steps) text += row_of(g);
+    if (n % job.output_steps == 0 || n == job.steps) text += row_of(g, others);
   }
   return text;
 }

@@ -98,6 +98,16 @@ std::size_t gas_or_new(Matter& m, const char* name, const Composition& compositi
   return m.gases.size() - 1;
 }
 
+bool chars_are_alike(const Matter& m) {
+  const Solid* first = nullptr;
+  for (const Solid& s : m.solids)
+    if (s.kind == Kind::char_) {
+      if (first == nullptr) first = &s;
+      if (*s.composition != *first->composition) return false;
+    }
+  return true;
+}
+
 }  // namespace
 
 std::size_t Matter::solid(const std::string& solid_name) const { return index_of(solids, solid_name, "solid"); }
@@ -126,6 +136,9 @@ void check_matter(Matter& m) {
       m.carbon_dioxide = gas_or_new(m, "CO2", {0.27291, 0, 0.72709, 0, 0});
     if (r.oxidant == CharReaction::Oxidant::steam) m.hydrogen = gas_or_new(m, "H2", {0, 1, 0, 0, 0});
   }
+  if (chars_are_alike(m)) settle_char(m);
+  if (m.char_steam > 0) m.vapour = gas_or_new(m, "vapour", {0, 0, 0, 0, 1});
+  if (m.char_hydrogen > 0) m.hydrogen = gas_or_new(m, "H2", {0, 1, 0, 0, 0});
 }
 
 }  // namespace talus::conversion

@@ -85,8 +85,8 @@ struct DryingLaw {
   double to_cells = 0;            ///< beside gas cells: cell_gases.hpp [J/kg]
 };
 
-/// Volume = initial volume (1 - drying X)(1 - devolatilisation Y)(1 - burn_off Z), X, Y, Z: moisture, fuel and char
-/// that have gone, as shares.
+/// Volume = initial volume (1 - drying X)(1 - devolatilisation Y)(1 - burn_off Z), X, Y: shares of moisture and fuel
+/// that have gone, Z: Y times the share of the char that has burnt.
 struct Shrinkage {
   double drying = 0, devolatilisation = 0, burn_off = 0;
 };
@@ -118,7 +118,7 @@ struct Matter {
   double porosity = 0.6;           ///< for the residence time of gas in secondary reactions and diffusion [-]
   double tortuosity_factor = 0.5;  ///< effective diffusivity of pores over that of gas, beside porosity [-]
 
-  /// Of a kg of char that burns: its carbon, and what its other elements leave as; beside gas cells (cell_gases.hpp).
+  /// Of a kg of char that burns: its carbon, and what its other elements leave as (settle_char).
   double char_carbon = 1, char_steam = 0, char_hydrogen = 0;
 
   /// Gases of drying and of char reactions; check_matter adds those that are needed.
@@ -131,6 +131,11 @@ struct Matter {
 /// Puts solids into an order in which every reaction leads forward. Error{scene}: a loop; a reaction whose mass (1e-6)
 /// or elements (1e-3 of mass) do not balance; shares that do not sum to 1.
 void check_matter(Matter& matter);
+
+/// Sets what a kg of char is that burns: its carbon burns, its hydrogen and oxygen leave as steam and hydrogen, without
+/// heat. Error{scene}: ash in it, more oxygen than steam takes, chars of several compositions. Part of check_matter, which
+/// leaves such a mixture as carbon; defined beside the cells' gases.
+void settle_char(Matter& matter);
 
 /// Names of the pyrolysis presets, and one of them with wood (share 1 of the dry mass), its products and heat of
 /// reaction 0; sources beside each. Error{scene}: no such preset.

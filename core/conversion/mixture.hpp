@@ -65,10 +65,13 @@ class Mixture {
     const V rest = s.char_left * V(m_.emissivity[1]) + (V(1) - s.char_left) * V(m_.emissivity[2]);
     return s.fuel * V(m_.emissivity[0]) + (V(1) - s.fuel) * rest;
   }
+  /// Share of what was fuel that is now ash: of what has become char, what has burnt. A first trace of char that burns
+  /// as it is made is no burnt-out shell.
+  static V burnt_out(const Shares& s) { return (V(1) - s.fuel) * (V(1) - s.char_left); }
   V volume_share(const Shares& s) const {
     const Shrinkage& k = m_.shrinkage;
     return (V(1) - V(k.drying) * (V(1) - s.moisture)) * (V(1) - V(k.devolatilisation) * (V(1) - s.fuel)) *
-           (V(1) - V(k.burn_off) * (V(1) - s.char_left));
+           (V(1) - V(k.burn_off) * burnt_out(s));
   }
 
  private:

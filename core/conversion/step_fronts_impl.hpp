@@ -71,11 +71,15 @@ void GrainStep<V>::char_and_drying(const GrainState<V>& g, const Stage& w, const
       extra.drying = steady(front * drive / (way + dried) * w.duration / most(m, tiny));
       extra.drying_slope = V(matter_.drying.heat * 0.018015 / k_gas_constant) / (T * T);
     }
-    V char_mass = V(0);
+    V char_mass = V(0), fuel = V(0);
     for (std::size_t s = 0; s < matter_.solids.size(); ++s)
-      if (matter_.solids[s].kind == Kind::char_) char_mass = char_mass + g.m(s, i);
-    const V burnt = g.m0(Kind::char_, i),
-            at = front_at(char_mass / most(char_mass + burnt, tiny), matter_.shrinkage.burn_off), ash = before(at);
+      if (matter_.solids[s].kind == Kind::char_)
+        char_mass = char_mass + g.m(s, i);
+      else if (matter_.solids[s].kind == Kind::fuel)
+        fuel = fuel + g.m(s, i);
+    // what has not burnt out: Mixture::burnt_out
+    const V burnt = g.m0(Kind::char_, i), gone = burnt / most(char_mass + burnt, tiny) * (V(1) - fuel / dry0);
+    const V at = front_at(V(1) - gone, matter_.shrinkage.burn_off), ash = before(at);
     const V solid0 = most(g.m0(Kind::fuel, i) + char_mass + burnt, tiny);
     const V front = char_open * least(char_mass / (V(0.02) * solid0), V(1));
     char_open = char_open - front;
@@ -87,8 +91,8 @@ void GrainStep<V>::char_and_drying(const GrainState<V>& g, const Stage& w, const
                                                                             : gas.steam;
       const V kinetic = V(1) / most(arrhenius(r.A, r.n, r.E, T) * surface(at), tiny);
       const V oxidant = front * around / (way + ash + kinetic);  // [kg/s]
-      extra.burning[c] = steady(oxidant / y.oxidant * w.duration / most(char_mass, tiny));
-      extra.burning_heat[c] = y.heat;
+      extra.burning[c] = steady(oxidant / (V(matter_.char_carbon) * y.oxidant) * w.duration / most(char_mass, tiny));
+      extra.burning_heat[c] = V(matter_.char_carbon) * y.heat;
     }
     way = way + shells_.thickness(i) / most(pores * surface(shells_.middle(i)), tiny);
   }

@@ -371,16 +371,19 @@ void GrainStep<V>::burn(GrainState<V>& g, std::size_t i) {
     const CharYield<V> y = char_yield(r, T1_[i]);
     const V burnt = change_[i].burnt[c];
     g.m0(Kind::char_, i) = g.m0(Kind::char_, i) + burnt;
+    const V carbon = V(matter_.char_carbon) * burnt;
     const auto add = [&](const std::optional<std::size_t>& gas, V mass) {
-      if (gas) g.released[*gas] = g.released[*gas] + burnt * mass;
+      if (gas) g.released[*gas] = g.released[*gas] + mass;
     };
-    add(matter_.carbon_monoxide, y.carbon_monoxide);
-    add(matter_.carbon_dioxide, y.carbon_dioxide);
-    add(matter_.hydrogen, y.hydrogen);
+    add(matter_.carbon_monoxide, carbon * y.carbon_monoxide);
+    add(matter_.carbon_dioxide, carbon * y.carbon_dioxide);
+    add(matter_.hydrogen, carbon * y.hydrogen);
+    if (matter_.char_steam > 0) add(matter_.vapour, V(matter_.char_steam) * burnt);
+    if (matter_.char_hydrogen > 0) add(matter_.hydrogen, V(matter_.char_hydrogen) * burnt);
     V& from = r.oxidant == CharReaction::Oxidant::oxygen           ? g.oxygen_taken
               : r.oxidant == CharReaction::Oxidant::carbon_dioxide ? g.carbon_dioxide_taken
                                                                    : g.steam_taken;
-    from = from + burnt * y.oxidant;
+    from = from + carbon * y.oxidant;
   }
 }
 

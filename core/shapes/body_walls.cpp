@@ -1,14 +1,14 @@
 // See body_walls.hpp. The reduction is that of core/walls/wall_contacts.cpp with overlaps in place of distances.
 #include "core/shapes/body_walls.hpp"
 
-#include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
-#include "core/base/error.hpp"
 #include "core/shapes/covered_way.hpp"
 #include "core/shapes/wall_contact.hpp"
+#include "core/walls/shared_overlaps.hpp"
 
 namespace talus::shapes {
 namespace {
@@ -197,6 +197,62 @@ void accept(const std::vector<Hit>& hits, const std::vector<WallPiece>& pieces, 
   }
 }
 
+/// The place of one contact that turns the body as those of a group do together. What no force along its normal can do
+/// (of second order in the angle between them) is left out.
+Vec3 joint_foot(std::span<const Touch> touches, const std::vector<const Hit*>& hits, int group,
+                const JointContact& joint, Vec3 centre) {
+  Vec3 turn, middle;
+  double sum = 0;
+  for (std::size_t k = 0; k < touches.size(); ++k) {
+    if (touches[k].group != group) continue;
+    const Vec3 arm = hits[k]->foot - centre;
+    turn = turn + touches[k].share * cross(arm, touches[k].normal);
+    middle = middle + touches[k].share * arm;
+    sum = sum + touches[k].share;
+  }
+  return centre + (1 / joint.overlap) * cross(joint.normal, turn) + (dot(middle, joint.normal) / sum) * joint.normal;
+}
+
+/// Largest radius of curvature where the body's normal is against n; at most that of an ellipsoid of its size.
+double flattest(const Body& body, Vec3 n) {
+  const Vec3 m = to_body(body.turn, -n);
+  const Triple<Plain> normal{m.x, m.y, m.z};
+  const Support<Plain> s = support<Plain>(body.form, normal, k_eta);
+  const auto [u, v] = tangents<Plain>(normal);
+  const double a = radii<Plain>(s, u, u), b = radii<Plain>(s, u, v), c = radii<Plain>(s, v, v), half = 0.5 * (a - c);
+  const Triple<Plain>& axes2 = body.form.axes2;
+  const double inner = std::sqrt(fmin2(axes2.x, fmin2(axes2.y, axes2.z)));
+  return fmin2(0.5 * (a + c) + std::sqrt(half * half + b * b), body.size * body.size / inner);
+}
+
+/// Hits with what they overlap with as their own; one of a contact of several facets has the name of the one that bears
+/// most.
+void share(const WallSet& walls, const std::vector<const Hit*>& accepted, const Body& body, std::vector<Hit>& out) {
+  static thread_local std::vector<Touch> touches;
+  const Vec3 centre = body.centre;
+  touches.clear();
+  out.clear();
+  int own = -1;  // an edge or a corner holds a body wherever it touches it
+  for (const Hit* h : accepted)
+    touches.push_back(
+        {-h->c.normal, h->c.overlap, h->face ? walls.surface(h->piece->wall) : own--, h->foot - centre});
+  for (Touch& t : touches)
+    if (touches.size() > 1) t.curve = flattest(body, t.normal);
+  if (!share_overlaps(touches)) {
+    for (const Hit* h : accepted) out.push_back(*h);
+    return;
+  }
+  for (int k = 0; k < static_cast<int>(touches.size()); ++k) {
+    if (touches[k].group != k) continue;
+    const JointContact joint = joint_contact(touches, k);
+    if (!(joint.overlap > 0)) continue;
+    Hit h = *accepted[joint.bearing];
+    h.c.normal = -joint.normal, h.c.overlap = joint.overlap;
+    if (joint.members > 1) h.foot = joint_foot(touches, accepted, k, joint, centre);
+    out.push_back(h);
+  }
+}
+
 }  // namespace
 
 void body_wall_contacts(const Body& body, double bound, const WallSet& walls, std::span<const std::int32_t> candidates,
@@ -230,21 +286,21 @@ void body_wall_contacts(const Body& body, double bound, const WallSet& walls, st
     std::stable_sort(hits.begin(), hits.end(), hit_before);
     accept(hits, pieces, slack, accepted);
   }
-  if (accepted.size() > static_cast<std::size_t>(WallSet::k_max_contacts))
-    throw Error(
-        ErrorCode::physics,
-        fmt::format("a particle of radius {:.4g} m touches more than {} wall features", bound, WallSet::k_max_contacts),
-        fmt::format("position ({:.6g}, {:.6g}, {:.6g})", body.centre.x, body.centre.y, body.centre.z),
-        "the mesh is much finer than the particle: use a coarser one");
-  std::stable_sort(accepted.begin(), accepted.end(), [](const Hit* a, const Hit* b) {
-    const double a2 = norm2(a->piece->shift), b2 = norm2(b->piece->shift);
-    return std::tie(a->piece->element, a2) < std::tie(b->piece->element, b2);
+  if (accepted.size() > static_cast<std::size_t>(WallSet::k_max_touches))
+    walls.refuse_touches(bound, body.centre, WallSet::k_max_touches);
+  static thread_local std::vector<Hit> contacts;
+  share(walls, accepted, body, contacts);
+  if (contacts.size() > static_cast<std::size_t>(WallSet::k_max_contacts))
+    walls.refuse_touches(bound, body.centre, WallSet::k_max_contacts);
+  std::stable_sort(contacts.begin(), contacts.end(), [](const Hit& a, const Hit& b) {
+    const double a2 = norm2(a.piece->shift), b2 = norm2(b.piece->shift);
+    return std::tie(a.piece->element, a2) < std::tie(b.piece->element, b2);
   });
-  for (const Hit* h : accepted) {
-    const WallPiece& p = *h->piece;
-    out.push_back({{p.wall, p.element, -h->c.normal, bound - h->c.overlap, walls.velocity(p.wall, h->foot - p.shift),
+  for (const Hit& h : contacts) {
+    const WallPiece& p = *h.piece;
+    out.push_back({{p.wall, p.element, -h.c.normal, bound - h.c.overlap, walls.velocity(p.wall, h.foot - p.shift),
                     body.centre - p.shift},
-                   h->foot - body.centre});
+                   h.foot - body.centre});
   }
 }
 

@@ -34,9 +34,9 @@ std::optional<std::array<const char*, 2>> foreign(std::string_view text) {
       {"\xfe\xff", "the file is UTF-16", utf8},
       {"ITEM:", "the file is a LAMMPS dump",
        "`talus convert` makes a CSV file of it; a data file (write_data) is read, too"},
-      {"<", "the file is XML", "ParaView saves particles as CSV: File, Save Data"},
+      {"<", "the file is XML", "`talus convert` makes a CSV file of .vtp and .pvd; ParaView does too: File, Save Data"},
       {"# vtk DataFile", "the file is a VTK file", "ParaView saves particles as CSV: File, Save Data"},
-      {"\x89HDF", "the file is HDF5", csv},
+      {"\x89HDF", "the file is HDF5", "`talus convert` makes a CSV file of a .vtkhdf file"},
       {"PK\x03\x04", "the file is a workbook or a zip archive", csv},
       {"TALUSCP", "the file is a Talus checkpoint", "continue from it with --resume"},
   };

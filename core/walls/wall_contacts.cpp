@@ -10,7 +10,8 @@
 //   (2) it is an edge or vertex that lies in another facet which comes nearer to the centre elsewhere: facets are
 //       convex, so the distance falls on the way there (the foot of a ramp, the diagonal of a box face near a corner).
 // Faces are decided first, and only a face removes a face; then edges and vertices together, nearest first, because on
-// a finely meshed corner an edge farther away than the corner itself belongs to the same convex surface.
+// a finely meshed corner an edge farther away than the corner itself belongs to the same convex surface. Those that are
+// left share what they overlap with (shared_overlaps.hpp), and neighbours in a shallow fold become one contact.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,6 +20,7 @@
 #include <tuple>
 
 #include "core/base/error.hpp"
+#include "core/walls/shared_overlaps.hpp"
 #include "core/walls/wall_motion.hpp"
 #include "core/walls/wall_set.hpp"
 
@@ -189,6 +191,30 @@ void sort_by_rank(std::vector<Hit>& hits) {
   });
 }
 
+/// Hits with what they overlap with as their own; one of a contact of several facets is the facet that bears most.
+/// Returns how many are left.
+int share(const std::vector<Wall>& walls, std::span<Hit> hits, double radius) {
+  static thread_local std::vector<Touch> touches;
+  touches.clear();
+  for (const Hit& h : hits)
+    touches.push_back({h.normal, radius - h.distance, walls[h.wall].surface, -h.distance * h.normal,
+                       h.feature == Feature::face ? 0 : radius});
+  const int n = static_cast<int>(hits.size());
+  if (!share_overlaps(touches)) return n;
+  std::array<Hit, WallSet::k_max_touches> left;
+  int count = 0;
+  for (int k = 0; k < n; ++k) {
+    if (touches[k].group != k) continue;
+    const JointContact joint = joint_contact(touches, k);
+    if (!(joint.overlap > 0)) continue;
+    left[count] = hits[joint.bearing];
+    left[count].normal = joint.normal;
+    left[count++].distance = radius - joint.overlap;
+  }
+  std::copy_n(left.begin(), count, hits.begin());
+  return count;
+}
+
 }  // namespace
 
 int WallSet::contacts(Vec3 c, double radius, std::span<const std::int32_t> candidates, WallContact* out,
@@ -209,15 +235,10 @@ int WallSet::contacts(Vec3 c, double radius, std::span<const std::int32_t> candi
     out[0] = contact(hits[0]);
     return 1;
   }
-  static thread_local std::array<Hit, k_max_contacts> accepted;  // not cleared at every call
+  static thread_local std::array<Hit, k_max_touches> accepted;  // not cleared at every call
   int count = 0;
   auto accept = [&](const Hit& h) {
-    if (count == k_max_contacts)
-      throw Error(
-          ErrorCode::physics,
-          fmt::format("a particle of radius {:.4g} m touches more than {} wall features", radius, k_max_contacts),
-          fmt::format("position ({:.6g}, {:.6g}, {:.6g})", c.x, c.y, c.z),
-          "the mesh is much finer than the particle: use a coarser one");
+    if (count == k_max_touches) refuse_touches(radius, c, k_max_touches);
     accepted[count++] = h;
   };
   auto tolerance = [&](const Hit& a, const Hit& b) {
@@ -243,11 +264,21 @@ int WallSet::contacts(Vec3 c, double radius, std::span<const std::int32_t> candi
   }
   for (int k = 0; k < count; ++k)
     if (norm2(accepted[k].shift) > 0) settle_image(accepted[k], hits, tolerance(accepted[k], accepted[k]));
+  if (count > 1) count = share(walls, {accepted.data(), static_cast<std::size_t>(count)}, radius);
+  if (count > k_max_contacts) refuse_touches(radius, c, k_max_contacts);
   std::sort(accepted.begin(), accepted.begin() + count, [](const Hit& a, const Hit& b) {
     return a.element != b.element ? a.element < b.element : image_before(a.shift, b.shift);
   });
   for (int k = 0; k < count; ++k) out[k] = contact(accepted[k]);
   return count;
+}
+
+void WallSet::refuse_touches(double radius, Vec3 c, int most) const {
+  const Vec3 x = impl_ ? c + impl_->walls.front().spec.corner : c;
+  throw Error(ErrorCode::physics,
+              fmt::format("a particle of radius {:.4g} m touches more than {} places of walls at once", radius, most),
+              fmt::format("position ({:.6g}, {:.6g}, {:.6g})", x.x, x.y, x.z),
+              "a mesh with fewer facets, edges and corners within the reach of one particle");
 }
 
 void WallSet::pieces(Vec3 c, std::span<const std::int32_t> candidates, std::vector<WallPiece>& out,
@@ -285,6 +316,7 @@ void WallSet::match(std::span<const WallContact> before, std::span<const WallCon
     }
     return true;
   };
+  const auto one_surface = [&](int a, int b) { return a == b || (size() > 0 && surface(a) == surface(b)); };
   std::array<bool, k_max_contacts> taken{};
   for (std::size_t i = 0; i < now.size(); ++i) {
     from[i] = -1;
@@ -302,7 +334,7 @@ void WallSet::match(std::span<const WallContact> before, std::span<const WallCon
     bool found = false;
     for (std::size_t i = 0; i < now.size(); ++i)
       for (std::size_t j = 0; j < before.size() && from[i] < 0; ++j)
-        if (!taken[j] && before[j].wall == now[i].wall && dot(before[j].normal, now[i].normal) > best) {
+        if (!taken[j] && one_surface(before[j].wall, now[i].wall) && dot(before[j].normal, now[i].normal) > best) {
           best = dot(before[j].normal, now[i].normal);
           bi = i, bj = j;
           found = true;

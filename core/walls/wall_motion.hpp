@@ -61,6 +61,9 @@ inline Vec3 velocity_at(const WallPose& p, Vec3 x, double dt) noexcept {
 /// (a displacement is affine in the point, its length convex: the maximum is at a corner).
 double travel(const WallPose& from, const WallPose& to, std::span<const Vec3> corners) noexcept;
 
+/// At rest both, or the same motion.
+bool move_alike(const WallMotion& a, const WallMotion& b) noexcept;
+
 /// Part of a run in which a wall that acts within [appear, vanish) moves: [from, to) [s]; empty where it never does
 /// while it acts. `end` [s]: of the run.
 struct MovingTime {

@@ -21,6 +21,7 @@ struct Wall {
   double slack = 0;    ///< of the shape
   double extent = 0;   ///< largest body coordinate, for rounding bounds [m]
   bool moves = false;  ///< at some time
+  int surface = 0;     ///< the first wall that it forms one surface with
   WallPose pose, marked;
   double skin = 0;     ///< [m]
   double arm = 0;      ///< largest distance from the axis of rotation of a point that a particle can touch [m]
@@ -40,6 +41,7 @@ struct WallSet::Impl {
   double travelled(const Wall& w) const;
   double speed(const Wall& w) const;
   void place_images(Wall& w) const;
+  int first_of_surface(std::size_t wall) const;
   void judge_speed(const Scene& scene, Wall& w) const;
   double generous(const Wall& w, Vec3 c, double reach) const;
   void list(const Wall& w, Vec3 c, double reach, std::int32_t slot, Vec3 shift, std::vector<std::int32_t>& out,

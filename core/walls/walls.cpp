@@ -112,11 +112,20 @@ WallSet::WallSet(const Scene& scene, double max_reach, double usual_reach) : imp
     impl_->judge_speed(scene, w);
     impl_->walls.push_back(std::move(w));
   }
+  for (std::size_t i = 0; i < impl_->walls.size(); ++i) impl_->walls[i].surface = impl_->first_of_surface(i);
   set_step(0, scene.dt > 0 ? scene.dt : 1);
   for (Wall& w : impl_->walls) {
     w.marked = w.pose;
     if (w.images.any()) impl_->place_images(w);
   }
+}
+
+int WallSet::Impl::first_of_surface(std::size_t wall) const {
+  const WallSpec& w = walls[wall].spec;
+  std::size_t first = 0;
+  while (first < wall && !(walls[first].spec.material == w.material && move_alike(walls[first].spec.motion, w.motion)))
+    ++first;
+  return static_cast<int>(first);
 }
 
 WallSet::WallSet() = default;
@@ -150,6 +159,7 @@ Vec3 WallSet::image_shift(int wall, int image) const {
 
 const std::string& WallSet::name(int wall) const { return impl_->walls.at(wall).spec.name; }
 int WallSet::material(int wall) const { return impl_->walls.at(wall).spec.material; }
+int WallSet::surface(int wall) const { return impl_->walls.at(wall).surface; }
 std::int64_t WallSet::element_count() const noexcept { return impl_ ? impl_->elements : 0; }
 const WallPose& WallSet::pose(int wall) const { return impl_->walls.at(wall).pose; }
 double WallSet::skin(int wall) const { return impl_->walls.at(wall).skin; }

@@ -66,6 +66,8 @@ struct WallSurface {
 class WallSet {
  public:
   static constexpr int k_max_contacts = 16;  ///< simultaneous wall contacts of one particle; more is Error{physics}
+  /// Facets, edges and corners that one particle touches before they are shared out to contacts; more is Error{physics}.
+  static constexpr int k_max_touches = 64;
   /// By how many periods a particle was wrapped along each axis.
   using Wraps = std::array<int, 3>;
 
@@ -90,6 +92,8 @@ class WallSet {
   Vec3 image_shift(int wall, int image) const;
   const std::string& name(int wall) const;
   int material(int wall) const;
+  /// Walls of one material that move alike form one surface: the first of them.
+  int surface(int wall) const;
   std::int64_t element_count() const noexcept;
   std::size_t bytes() const noexcept;
   /// Name and what was found of every mesh wall; bounds in the frame of the scene.
@@ -134,6 +138,9 @@ class WallSet {
   /// the count (<= k_max_contacts). Thread-safe.
   int contacts(Vec3 c, double radius, std::span<const std::int32_t> candidates, WallContact* out,
                const Wraps& wraps = {}) const;
+
+  /// Error{physics}: more than `most` contacts or touches of a particle at c.
+  [[noreturn]] void refuse_touches(double radius, Vec3 c, int most) const;
 
   /// The candidates of centre c as planes, triangles and cylinders; those of walls that do not act now, and of walls
   /// that are none of them, are left out.

@@ -67,6 +67,10 @@ void Conversion::add_kind(std::size_t k) {
                 fmt::format("material '{}' has {:g} kg/m3, the grain that describes it {:g}", m.name, m.density,
                             kind.job->matter.density),
                 "conversion", "the same density in both");
+  if (kind.job->form.shape != heat::Shape::sphere)
+    throw Error(ErrorCode::scene, fmt::format("the grain file of material '{}' is of no sphere", m.name), "conversion",
+                "grain.shape = \"sphere\": grains of a bed are spheres, or bodies of a [[shape]], which convert as "
+                "spheres of their volume and surface");
   if (kind.job->around.surface_temperature)
     throw Error(ErrorCode::scene, "the surface temperature of grains in a bed cannot be given", "conversion",
                 "temperature and film of the gas");

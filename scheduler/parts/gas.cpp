@@ -136,7 +136,8 @@ class GasPart final : public Part, public GasCells {
   }
 
   std::vector<PartValue> values(const PartView& w) const override {
-    return gas_values(gas_, scene_, axis(), total_force(w));
+    if (gas_.started()) return gas_values(gas_, scene_, axis(), total_force(w));
+    return gas_values(fresh(w), scene_, axis(), total_force(w));
   }
 
   std::vector<std::string> advice(const PartView&) const override { return grains_.advice(); }
@@ -164,10 +165,8 @@ class GasPart final : public Part, public GasCells {
 
   std::optional<GridData> grid(const PartView& w) const override {
     if (gas_.started()) return grid_data(gas_.grid(), gas_.fields());
-    // what the first gas step will start from
-    gas::Gas fresh(scene_.gas, wrapped_axes(scene_), w.clock.gravity);
-    fresh.start(grains_in_cells(w));
-    return grid_data(fresh.grid(), fresh.fields());
+    const gas::Gas g = fresh(w);
+    return grid_data(g.grid(), g.fields());
   }
 
   std::vector<std::uint8_t> save() const override {
@@ -189,6 +188,13 @@ class GasPart final : public Part, public GasCells {
   struct Work {
     double done = 0, power = 0;  ///< [J]; of the last step [W]
   };
+
+  /// What the first gas step will start from.
+  gas::Gas fresh(const PartView& w) const {
+    gas::Gas g(scene_.gas, wrapped_axes(scene_), w.clock.gravity);
+    g.start(grains_in_cells(w));
+    return g;
+  }
 
   gas::FromGrains grains_in_cells(const PartView& w) const {
     GasShares shares(grains_);

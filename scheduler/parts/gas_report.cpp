@@ -59,13 +59,12 @@ void add_pressure(const gas::Gas& gas, const Scene& scene, std::vector<PartConce
   const bool wet = scene.conversion.on, blown = gas.sealed() && !scene.gas.inlets.empty();
   const double change = __builtin_fabs(gas.pressure() / scene.gas.pressure - 1);
   if (!(wet || blown) || !(change > k_pressure_change)) return;
-  const char* why = wet ? "grains go on to boil and to breathe at the temperature and pressure of their files"
-                        : "inlets give it a flow alone";
+  const char* why = wet ? "grains go on to boil at the temperature of their files" : "inlets give it a flow alone";
+  const char* cure = gas.sealed() ? "a side that is open ([[gas.inlet]] kind = \"pressure\") holds it"
+                                  : "gas.pressure should be that of the sides that are open";
   all.push_back(
       {"pressure",
-       fmt::format("the gas has come to {:.4g} Pa, from {:.4g} Pa: {}; a side that is open ([[gas.inlet]] kind "
-                   "= \"pressure\") holds it",
-                   gas.pressure(), scene.gas.pressure, why),
+       fmt::format("the gas has come to {:.4g} Pa, from {:.4g} Pa: {}; {}", gas.pressure(), scene.gas.pressure, why, cure),
        change, k_pressure_change, 1});
 }
 

@@ -98,6 +98,8 @@ struct HeatState {
 
   double dt(const PartView& w) const { return w.rules.scene.dt * static_cast<double>(pace.steps); }
   double middle(const PartView& w) const;  ///< time of the present heat step's middle [s]
+  /// Mean of a table over the present heat step.
+  double mean(const TimeTable& table, const PartView& w) const { return table.mean(middle(w), dt(w)); }
   bool ends(const PartView& w) const { return (w.clock.step + 1) % pace.steps == 0; }  ///< the heat step, behind this
   int material(const PartView& w, Row i) const { return w.rules.has.materials ? w.rows.material[i] : 0; }
   bool has_shells(const PartView& w, Row i) const { return shells[static_cast<std::size_t>(material(w, i))] != 0; }

@@ -84,7 +84,7 @@ class HeatStep {
     for (std::int32_t k = near.first_wall[q]; k < near.first_wall[q + 1]; ++k) {
       const NearWall& n = near.walls[static_cast<std::size_t>(k)];
       const auto wall = static_cast<std::size_t>(n.entry);
-      const double other = s_.scene.walls[wall].temperature(s_.middle(w_)),
+      const double other = s_.mean(s_.scene.walls[wall].temperature, w_),
                    area = n.area > 0 ? n.area * near_.shade(i) : 0.0;
       seen = seen + area;
       sum.wall[wall] = sum.wall[wall] + add(at, conductance_to(n, area, e, T, other), other);
@@ -124,14 +124,14 @@ class HeatStep {
     }
     const double film = given_gas(s_, w_, i).film * surface(i);
     return add(at, has_shells(i) ? thinned(film, inside_->surface(i).carried) : film,
-               s_.scene.gas.temperature(s_.middle(w_)));
+               s_.mean(s_.scene.gas.temperature, w_));
   }
 
   void exchange(int b) {
     BlockSums& sum = sums_[static_cast<std::size_t>(b)];
     const bool gas = gas_ != nullptr || s_.scene.gas.on;
     const RadiationHeat& radiation = s_.scene.radiation;
-    const double enclosure = radiation.enclosure.given() ? radiation.enclosure(s_.middle(w_)) : 0;
+    const double enclosure = radiation.enclosure.given() ? s_.mean(radiation.enclosure, w_) : 0;
     std::size_t q = 0;
     for_rows(b, [&](Row i) {
       const auto at = static_cast<std::size_t>(i);

@@ -17,7 +17,7 @@ GasNear given_gas(const HeatState& s, const PartView& w, Row i) {
   if (!g.on) return {};
   const double* u = velocity_of(w.rows, i).v;
   const Vec3 v{u[0], u[1], u[2]};
-  GasNear gas{g.temperature(s.middle(w)), g.film, norm(g.velocity - v), 0, {}};
+  GasNear gas{s.mean(g.temperature, w), g.film, norm(g.velocity - v), 0, {}};
   if (g.film >= 0) return gas;
   const heat::GasAt at{gas.temperature, g.velocity,     g.density,
                        g.viscosity,     g.conductivity, g.viscosity * g.capacity / g.conductivity,

@@ -22,8 +22,7 @@ double area_of(const PartView& w, const std::string& name) {
 /// of the grain there [m].
 double touch_conductance(const HeatState& s, const PartView& w, const WallHeat& wall, Row i, int number, double overlap,
                          double r) {
-  const double T =
-      wall.temperature.given() ? wall.temperature(s.middle(w)) : s.temperature[static_cast<std::size_t>(i)];
+  const double T = wall.temperature.given() ? s.mean(wall.temperature, w) : s.temperature[static_cast<std::size_t>(i)];
   const int m = s.material(w, i), k = w.walls.material(number);
   return heat::contact_conductance(s.conductivity(w, part_as<GrainInside>(w.parts), i),
                                    s.matter[static_cast<std::size_t>(k)].conductivity.at(T),
@@ -96,7 +95,7 @@ std::vector<double> shares_of_flux(const HeatState& s, const PartView& w, const 
   });
   for (std::size_t e = 0; e < share.size(); ++e)
     if (sum[e] > 0)
-      share[e] = s.scene.walls[e].flux(s.middle(w)) *
+      share[e] = s.mean(s.scene.walls[e].flux, w) *
                  (s.wall_area.empty() ? area_of(w, s.scene.walls[e].wall) : s.wall_area[e]) / sum[e];
   return share;
 }
@@ -107,7 +106,7 @@ double heat_of_wall(const HeatState& s, const PartView& w, Row i, int wall, doub
   if (e < 0) return 0;
   const WallHeat& h = s.scene.walls[static_cast<std::size_t>(e)];
   const double g = conductance_of(s, w, h, i, wall, overlap, radius_at_wall(w, i, wall, overlap));
-  if (h.temperature.given()) return g * (h.temperature(s.middle(w)) - s.temperature[static_cast<std::size_t>(i)]);
+  if (h.temperature.given()) return g * (s.mean(h.temperature, w) - s.temperature[static_cast<std::size_t>(i)]);
   if (s.fluxes.step != w.clock.step) {
     s.fluxes.shares = shares_of_flux(s, w, entry);
     s.fluxes.step = w.clock.step;
@@ -121,7 +120,6 @@ void heat_walls(HeatState& s, const PartView& w) {
   const std::vector<int> entry = heat_wall_entries(s, w.walls);
   if (s.wall_area.empty())
     for (const WallHeat& wall : s.scene.walls) s.wall_area.push_back(wall.flux.given() ? area_of(w, wall.wall) : 0.0);
-  const double now = s.middle(w);
   const std::vector<double> share = shares_of_flux(s, w, entry);
   for_contacts(w, entry, [&](std::size_t e, const WallState& t) {
     const WallHeat& wall = s.scene.walls[e];
@@ -129,7 +127,7 @@ void heat_walls(HeatState& s, const PartView& w) {
     const double g = conductance_of(s, w, wall, t);
     double f = g * share[e];
     if (wall.temperature.given()) {
-      f = g * (wall.temperature(now) - s.temperature[i]);
+      f = g * (s.mean(wall.temperature, w) - s.temperature[i]);
       s.conductance[i] = s.conductance[i] + g;
     }
     s.flow[i] = s.flow[i] + f;

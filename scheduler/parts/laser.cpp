@@ -182,7 +182,7 @@ class Lasers final : public Part, public LaserLight {
     const bool whole = from == begin && to == end;
     const double t = whole ? time(0.5 * every) : 0.5 * (from + to);
     const Spot spot = spot_at(l, t);
-    const double power = whole ? l.power(t) : l.power(t) * ((to - from) / (end - begin));
+    const double mean = l.power.mean(t, to - from), power = whole ? mean : mean * ((to - from) / (end - begin));
     if (!(power > 0)) return;
     find_first(w, l, rays, spot);
     double absorbed = 0, reflected = 0, passed = 0;

@@ -93,6 +93,44 @@ TEST(GrainWithoutAsh, BurnsToNothingAndStaysBounded) {
   EXPECT_NEAR(last(table, "mean_temperature"), 1200, 5) << "what is left has the temperature of its gas";
 }
 
+/// A kilogram of char burns its carbon; the rest leaves as steam and hydrogen, and every element is accounted for.
+TEST(GrainChar, ThatIsNoPureCarbonBurnsItsCarbonAndKeepsEveryElement) {
+  const auto text = [](const std::string& composition) {
+    std::string t = ball_of_char("velocity = 1\n");
+    const std::string kind = "kind = \"char\"\n";
+    return t.replace(t.find(kind), kind.size(), kind + composition);
+  };
+  const std::string mixed = grain_table(parse_grain(text("composition = { C = 0.9, H = 0.04, O = 0.06 }\n"), "g.toml")),
+                    pure = grain_table(parse_grain(text(""), "g.toml"));
+  const double first = 300 * 4.0 / 3.0 * 3.14159265358979 * std::pow(0.002, 3);
+  const auto burnt = [&](const std::string& t) { return 0.95 * first - last(t, "char"); };
+  ASSERT_GT(burnt(mixed), 0.05 * first);
+  for (const char* element : {"carbon", "hydrogen", "oxygen"})
+    EXPECT_LT(std::fabs(last(mixed, std::string(element) + "_residual")), 1e-9 * first) << element;
+  EXPECT_LT(std::fabs(last(mixed, "mass_residual")), 1e-12 * first);
+  const double steam = 0.06 / (15.999 / 18.015), hydrogen = 0.04 - steam * 2.016 / 18.015;
+  EXPECT_NEAR(last(mixed, "released_vapour") / burnt(mixed), steam, 1e-4);
+  EXPECT_NEAR(last(mixed, "released_H2") / burnt(mixed), hydrogen, 1e-4);
+  EXPECT_NEAR(last(mixed, "oxygen_taken") / burnt(mixed) / (last(pure, "oxygen_taken") / burnt(pure)), 0.9, 1e-3);
+  const std::string said = refusal(text("composition = { C = 0.5, H = 0.01, O = 0.49 }\n"));
+  EXPECT_NE(said.find("oxygen of its steam"), std::string::npos) << said;
+}
+
+TEST(GrainOxidants, ThatNoReactionTakesAreRefused) {
+  const std::string ball = ball_of_char("");
+  EXPECT_EQ(refusal(ball), "accepted");
+  for (const char* oxidant : {"carbon_dioxide", "steam"}) {
+    const std::string said = refusal(ball + oxidant + " = 0.1\n");
+    EXPECT_NE(said.find("has no effect"), std::string::npos) << said;
+  }
+  std::string other = ball;
+  other.replace(other.find("oxygen = 0.05"), 13, "steam = 0.5");
+  other.replace(other.find("A = 50"), 6, "oxidant = \"H2O\"\nA = 50");
+  const std::string table = grain_table(parse_grain(other, "g.toml"));
+  EXPECT_GT(last(table, "steam_taken"), 0);
+  EXPECT_NEAR(last(table, "released_H2") / last(table, "steam_taken"), 2.016 / 18.015, 1e-4);
+}
+
 /// A shrinking core (Levenspiel): kinetics, film and ash in series. t = rho/(y C) (R/k (1 - r) + R/(3 h) (1 - r^3) +
 /// R^2/(6 D) (1 - 3 r^2 + 2 r^3)), r^3 the share of char that is left, y the char that a kilogram of oxygen burns.
 TEST(GrainChar, BurnsAsAShrinkingCoreWhateverItsShells) {

@@ -47,6 +47,37 @@ TEST(WallContact, CentreExactlyOverEdgesAndVerticesHasOneContact) {
   }
 }
 
+TEST(WallContact, TipOfACone) {
+  // 24 or 48 facets larger than the sphere meet in the tip of a funnel: one smooth surface, one contact
+  for (const int n : {24, 48}) {
+    std::vector<Vec3> points{{0, 0, 0}};
+    std::vector<std::array<int, 3>> facets;
+    for (int k = 0; k < n; ++k) {
+      points.push_back({0.06 * std::cos(2 * M_PI * k / n), 0.06 * std::sin(2 * M_PI * k / n), 0.06 * std::tan(0.21)});
+      facets.push_back({0, k + 1, (k + 1) % n + 1});
+    }
+    const WallSet walls(scene_with({mesh_wall(write_obj("cone.obj", points, facets))}), k_reach);
+    for (const Vec3 c : {Vec3{0, 0, 0.0101}, Vec3{1e-4, 5e-5, 0.0101}, Vec3{0, 0, 0.0099}}) {
+      const auto a = touch(walls, c, 0.01);
+      ASSERT_EQ(a.size(), 1u) << n;
+      EXPECT_NEAR(a[0].normal.z, 1, 0.05) << n;
+    }
+  }
+}
+
+TEST(WallContact, WallsOfOneMaterialThatMoveAlikeAreOneSurface) {
+  WallSpec drum = cone_wall({0, 0, 0}, {0, 0, 1}, 1, 0.5, 0.5), lid = drum, other = drum, still = drum, rough = drum;
+  drum.motion.rotation_rate = lid.motion.rotation_rate = 2;
+  other.motion.rotation_rate = 2, other.motion.rotation_origin = {1, 0, 0};
+  rough.material = 1;
+  Scene scene = scene_with({still, drum, other, lid, rough, still});
+  scene.materials.resize(2);
+  const WallSet walls(scene, k_reach);
+  std::vector<int> surface;
+  for (int k = 0; k < 6; ++k) surface.push_back(walls.surface(k));
+  EXPECT_EQ(surface, (std::vector<int>{0, 1, 2, 1, 4, 0}));
+}
+
 TEST(WallContact, ConvexEdgeOfFiveDegreesHasOneContactAndATurningNormal) {
   // Ridge along y at x = 0; both flanks fall by 2.5 degrees.
   const double fall = std::tan(2.5 * M_PI / 180);

@@ -55,8 +55,8 @@ const Keys<WallSpec> k_wall(
             .only("shape=box")
             .needed("box", "(required by box)"),
         key("file", &WallSpec::file,
-            "STL, OBJ or PLY file, relative to the scene; grains keep their energy only roughly in folds that open "
-            "towards them, so a round wall is better a cylinder or cone",
+            "STL, OBJ or PLY file, relative to the scene; facets that fold inwards by less than 32 degrees act as one "
+            "smooth surface",
             "\"silo.stl\"")
             .only("shape=mesh")
             .needed("mesh", "(required by mesh)")
