@@ -200,9 +200,10 @@ std::string left_out(const Frame& f, Format format) {
   std::string list;
   const auto name = [&list](const char* column) { list += (list.empty() ? "" : ", ") + std::string(column); };
   if (other && !f.fixed.empty()) name("fixed");
-  if (other && !f.coordination.empty()) name("coordination");
+  const bool of_spheres = other || (csv && !f.bodies.empty());  // a row of a table of bodies has none of these
+  if (of_spheres && !f.coordination.empty()) name("coordination");
   if ((csv || other) && !f.stress.empty()) name("stress");
-  if (other)
+  if (of_spheres)
     for (const ExtraColumn& e : f.extra)
       if (e.name != "body") name(e.name.c_str());
   if (!csv && !f.bodies.empty()) name("bodies: particles are their spheres");

@@ -7,6 +7,7 @@
 
 #include "core/base/count.hpp"
 #include "core/base/error.hpp"
+#include "core/frame/body_shares.hpp"
 #include "core/gas/overlap.hpp"
 #include "core/grains/body.hpp"
 #include "core/grains/region.hpp"
@@ -33,29 +34,54 @@ double mass_of(const Frame& f, const Scene& s, std::size_t i) {
   return body.volume() * body.density;
 }
 
-/// Weighted sums of one region or cell; add() all particles, mean(), deviate() all particles, finish().
+/// A sphere, or a body with all its spheres: particles [first, end) of the frame.
+struct Grain {
+  std::size_t first, end;
+  const BodyRecord* body;  ///< null: a sphere
+  double mass, volume;
+  Vec3 v;
+  double contacts;
+};
+
+/// visit(grain) in the order of the frame, in which bodies stand as their first spheres do.
+template <class Visit>
+void each_grain(const Frame& f, const Scene& s, const BodyShares& shares, Visit visit) {
+  auto next = f.bodies.begin();
+  Grain g{};
+  for (std::size_t i = 0; i < f.x.size(); i = g.end) {
+    if (next != f.bodies.end() && next->id == f.id[i]) {
+      g = {i, i + static_cast<std::size_t>(shares.spheres(*next)), &*next, next->mass, shares.volume(*next), next->v,
+           0};
+      ++next;
+    } else {
+      g = {i, i + 1, nullptr, mass_of(f, s, i), body_of(f, s, i).volume(), f.v[i], 0};
+    }
+    if (!f.coordination.empty())
+      for (std::size_t k = g.first; k < g.end; ++k) g.contacts += f.coordination[k];
+    visit(g);
+  }
+}
+
+/// Weighted sums of one region or cell; add() all grains, mean(), deviate() all grains, finish().
 struct Sums {
   double w = 0, mass = 0, volume = 0, contacts = 0, deviation = 0;
   Vec3 momentum, mean;
   std::array<double, 6> stress{};
 
-  void add(const Frame& f, const Scene& s, std::size_t i, double share) {
-    const Body body = body_of(f, s, i);
-    const double m = share * mass_of(f, s, i), v = share * body.volume();
+  void add(const Frame& f, const Grain& g, double share) {
+    const double m = share * g.mass, v = share * g.volume;
     w += share;
     mass += m;
     volume += v;
-    momentum = momentum + m * f.v[i];
-    if (!f.coordination.empty()) contacts += share * f.coordination[i];
+    momentum = momentum + m * g.v;
+    if (!f.coordination.empty()) contacts += share * g.contacts;
     if (!f.stress.empty())
-      for (int k = 0; k < 6; ++k) stress[k] += v * f.stress[i][k];
+      for (int k = 0; k < 6; ++k) stress[k] += v * f.stress[g.first][k];  // all spheres of a body show its own
   }
   void close() {
     if (mass > 0) mean = (1 / mass) * momentum;
   }
-  void deviate(const Frame& f, const Scene& s, std::size_t i, double share) {
-    deviation += share * mass_of(f, s, i) * norm2(f.v[i] - mean);
-  }
+  void deviate(const Grain& g, double share) { deviation += share * g.mass * norm2(g.v - mean); }
   RegionAverage finish(double region_volume) const {
     RegionAverage a;
     a.particles = w;
@@ -110,6 +136,73 @@ double share_of_cell(const std::array<Slabs, 3>& slabs, const std::array<std::si
   return cut > 1 ? gas::ball_in_box(centre, r, lower, upper) / Body{r}.volume() : share;
 }
 
+/// Puts the sums of all cells together.
+class GridSums {
+ public:
+  GridSums(const Scene& scene, const GridData& g) : scene_(scene), g_(g) {
+    sums.resize(static_cast<std::size_t>(g.cells[0]) * g.cells[1] * g.cells[2]);
+    bodies_.lower = g.lower;
+    bodies_.spacing = g.spacing;
+    for (std::size_t a = 0; a < 3; ++a) {
+      // a periodic side is longer than two diameters; elsewhere a grain may be larger than the domain
+      const int beyond = scene.domain.periodic(static_cast<int>(a)) ? g.cells[a] : 1;
+      bodies_.least[a] = -beyond;
+      bodies_.most[a] = g.cells[a] - 1 + beyond;
+    }
+  }
+
+  /// visit(sums of a cell, share of the sphere in it)
+  template <class Visit>
+  void of_sphere(Vec3 x, double r, Visit visit) {
+    for (int a = 0; a < 3; ++a) slabs_[a].fill(x[a], r, g_.lower[a], g_.spacing[a], bodies_.least[a], bodies_.most[a]);
+    for (std::size_t kz = 0; kz < slabs_[2].share.size(); ++kz) {
+      const int z = index(2, slabs_[2].first + static_cast<int>(kz));
+      if (z < 0) continue;
+      for (std::size_t ky = 0; ky < slabs_[1].share.size(); ++ky) {
+        const int y = index(1, slabs_[1].first + static_cast<int>(ky));
+        if (y < 0) continue;
+        for (std::size_t kx = 0; kx < slabs_[0].share.size(); ++kx) {
+          const int at = index(0, slabs_[0].first + static_cast<int>(kx));
+          if (at < 0) continue;
+          const double share = share_of_cell(slabs_, {kx, ky, kz}, x, r);
+          if (share > 0) visit(cell(at, y, z), share);
+        }
+      }
+    }
+  }
+
+  /// The same of body number `k` of the frame; its shares are found once.
+  template <class Visit>
+  void of_body(const BodyShares& shares, const BodyRecord& b, std::size_t k, Visit visit) {
+    if (k == parts_.size()) {
+      shares.cells(bodies_, b, found_);
+      parts_.emplace_back(found_);
+    }
+    for (const CellShare& p : parts_[k]) {
+      const int x = index(0, p.at[0]), y = index(1, p.at[1]), z = index(2, p.at[2]);
+      if (x >= 0 && y >= 0 && z >= 0) visit(cell(x, y, z), p.share);
+    }
+  }
+
+  std::vector<Sums> sums;
+
+ private:
+  /// Of cell k on an axis: wrapped where periodic, -1 outside the domain.
+  int index(int axis, int k) const {
+    const int n = g_.cells[static_cast<std::size_t>(axis)];
+    if (scene_.domain.periodic(axis)) return ((k % n) + n) % n;
+    return k < 0 || k >= n ? -1 : k;
+  }
+  Sums& cell(int x, int y, int z) { return sums[(static_cast<std::size_t>(z) * g_.cells[1] + y) * g_.cells[0] + x]; }
+
+  const Scene& scene_;
+  const GridData& g_;
+  ShareGrid bodies_;
+  std::array<Slabs, 3> slabs_;
+  std::vector<CellShare> found_;
+  std::vector<std::vector<CellShare>> parts_;  // of bodies, for the second pass
+};
+
 bool wants_coordination(const Scene& s) { return s.output.coordination; }
 bool wants_stress(const Scene& s) { return s.output.stress; }
 
@@ -123,7 +216,8 @@ constexpr AverageQuantity k_averages[] = {
      [](const A& a, double* to) { to[0] = a.velocity.x, to[1] = a.velocity.y, to[2] = a.velocity.z; }},
     {"granular_temperature", "m2/s2", "a third of the mean square of velocities about their mean, weighted by mass", 1,
      [](const A& a, double* to) { *to = a.temperature; }},
-    {"coordination", "-", "mean over grains of the column coordination of frames", 1,
+    {"coordination", "-",
+     "mean over grains of the column coordination of frames; a clump has the contacts of all its spheres", 1,
      [](const A& a, double* to) { *to = a.coordination; }, wants_coordination},
     {"stress", "Pa", "sum of the stress of grains times their volume inside / volume of the region", 6,
      [](const A& a, double* to) { std::copy(a.stress.begin(), a.stress.end(), to); }, wants_stress},
@@ -152,19 +246,35 @@ std::vector<const AverageQuantity*> averages_of(const Scene& scene) {
 }
 
 RegionAverage average_region(const Frame& frame, const Scene& scene, const Region& region) {
+  return average_region(frame, scene, region, BodyShares(scene));
+}
+
+RegionAverage average_region(const Frame& frame, const Scene& scene, const Region& region, const BodyShares& shares) {
   Sums sums;
+  std::vector<double> share;  // of bodies, which are costly, for the second pass
   for (int pass = 0; pass < 2; ++pass) {
-    for (std::size_t i = 0; i < frame.x.size(); ++i) {
-      const double share = share_inside(scene.domain, region, frame.x[i], frame.r[i]);
-      if (share <= 0) continue;
-      pass == 0 ? sums.add(frame, scene, i, share) : sums.deviate(frame, scene, i, share);
-    }
+    std::size_t next = 0;
+    each_grain(frame, scene, shares, [&](const Grain& g) {
+      double in = 0;
+      if (g.body == nullptr)
+        in = share_inside(scene.domain, region, frame.x[g.first], frame.r[g.first]);
+      else if (pass == 0)
+        share.push_back(in = shares.inside(scene.domain, region, *g.body));
+      else
+        in = share[next++];
+      if (in <= 0) return;
+      pass == 0 ? sums.add(frame, g, in) : sums.deviate(g, in);
+    });
     if (pass == 0) sums.close();
   }
   return sums.finish(volume(region));
 }
 
 GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3> cells) {
+  return average_grid(frame, scene, cells, BodyShares(scene));
+}
+
+GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3> cells, const BodyShares& shares) {
   for (int n : cells)
     if (n < 1) throw Error(ErrorCode::io, "averaging grid needs at least one cell per axis", "output.grid");
   const Vec3 size = scene.domain.upper - scene.domain.lower;
@@ -172,45 +282,23 @@ GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3>
   g.lower = scene.domain.lower;
   g.cells = cells;
   g.spacing = {size.x / cells[0], size.y / cells[1], size.z / cells[2]};
-  const std::size_t total = static_cast<std::size_t>(cells[0]) * cells[1] * cells[2];
-  std::vector<Sums> sums(total);
-  std::array<Slabs, 3> slabs;
-  // Index of slab k on an axis: wrapped where periodic, -1 outside the domain.
-  const auto index = [&](int axis, int k) {
-    const int n = cells[axis];
-    if (scene.domain.periodic(axis)) return ((k % n) + n) % n;
-    return k < 0 || k >= n ? -1 : k;
-  };
+  GridSums grid(scene, g);
   for (int pass = 0; pass < 2; ++pass) {
-    for (std::size_t i = 0; i < frame.x.size(); ++i) {
-      for (int a = 0; a < 3; ++a) {
-        // a periodic side is longer than two diameters; elsewhere a grain may be larger than the domain
-        const int beyond = scene.domain.periodic(a) ? cells[a] : 1;
-        slabs[a].fill(frame.x[i][a], frame.r[i], g.lower[a], g.spacing[a], -beyond, cells[a] - 1 + beyond);
-      }
-      for (std::size_t kz = 0; kz < slabs[2].share.size(); ++kz) {
-        const int z = index(2, slabs[2].first + static_cast<int>(kz));
-        if (z < 0) continue;
-        for (std::size_t ky = 0; ky < slabs[1].share.size(); ++ky) {
-          const int y = index(1, slabs[1].first + static_cast<int>(ky));
-          if (y < 0) continue;
-          for (std::size_t kx = 0; kx < slabs[0].share.size(); ++kx) {
-            const int x = index(0, slabs[0].first + static_cast<int>(kx));
-            if (x < 0) continue;
-            const double share = share_of_cell(slabs, {kx, ky, kz}, frame.x[i], frame.r[i]);
-            if (share <= 0) continue;
-            Sums& cell = sums[(static_cast<std::size_t>(z) * cells[1] + y) * cells[0] + x];
-            pass == 0 ? cell.add(frame, scene, i, share) : cell.deviate(frame, scene, i, share);
-          }
-        }
-      }
-    }
+    each_grain(frame, scene, shares, [&](const Grain& grain) {
+      const auto put = [&](Sums& cell, double share) {
+        pass == 0 ? cell.add(frame, grain, share) : cell.deviate(grain, share);
+      };
+      if (grain.body == nullptr)
+        grid.of_sphere(frame.x[grain.first], frame.r[grain.first], put);
+      else
+        grid.of_body(shares, *grain.body, static_cast<std::size_t>(grain.body - frame.bodies.data()), put);
+    });
     if (pass == 0)
-      for (Sums& s : sums) s.close();
+      for (Sums& s : grid.sums) s.close();
   }
   std::vector<RegionAverage> averages;
-  averages.reserve(total);
-  for (const Sums& s : sums) averages.push_back(s.finish(g.spacing.x * g.spacing.y * g.spacing.z));
+  averages.reserve(grid.sums.size());
+  for (const Sums& s : grid.sums) averages.push_back(s.finish(g.spacing.x * g.spacing.y * g.spacing.z));
   // By the scene, not by the frame: a frame without particles has the same columns as the others.
   for (const AverageQuantity* q : averages_of(scene))
     if (q->in_grids) g.cell_data.push_back(cell_column(*q, averages));

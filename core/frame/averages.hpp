@@ -1,7 +1,7 @@
 // Averages over regions and grids, from frames. Who calls it: cases/ (run) at output times. Pure reading: nothing here
 // influences a trajectory. All of it is of the moment of the frame, nothing is averaged over time. Invariant: a grid
-// over the whole domain contains each sphere's volume once (weights of a sphere over all cells sum to 1, up to what
-// sticks out of the domain).
+// over the whole domain contains each grain's volume once (weights of a grain over all cells sum to 1, up to what
+// sticks out of the domain). A body that is no sphere is one grain, with its true volume (body_shares.hpp).
 #pragma once
 
 #include <array>
@@ -14,6 +14,8 @@
 #include "core/scene/scene.hpp"
 
 namespace talus {
+
+class BodyShares;
 
 /// Averages over one region; a sphere that is partly inside counts by its share w of volume inside (share_inside in
 /// core/grains/region.hpp: also what sticks through a periodic side counts where it comes in again).
@@ -39,10 +41,13 @@ std::span<const AverageQuantity> average_quantities() noexcept;
 std::vector<const AverageQuantity*> averages_of(const Scene& scene);
 
 RegionAverage average_region(const Frame& frame, const Scene& scene, const Region& region);
+/// `shares`: of the scene, kept by whoever asks more than once.
+RegionAverage average_region(const Frame& frame, const Scene& scene, const Region& region, const BodyShares& shares);
 
 /// The same averages on nx*ny*nz cells over the domain as cell columns (tensors in VTK's order). Periodic axes wrap.
 /// Error{io} if cells < 1.
 GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3> cells);
+GridData average_grid(const Frame& frame, const Scene& scene, std::array<int, 3> cells, const BodyShares& shares);
 /// Memory that average_grid() takes [B].
 double grid_bytes(std::array<int, 3> cells) noexcept;
 

@@ -105,7 +105,7 @@ constexpr ParticleQuantity k_particles[] = {
      1, may_hold, held_by<&Frame::fixed>, held_grains, take_into<&Frame::fixed>, "fixed"},
     {"coordination", "-", "contacts of the grain (output.coordination)",
      1, wants_coordination, held_by<&Frame::coordination>, values_of<&Frame::coordination>, take_into<&Frame::coordination>, "coordination", true},
-    {"stress", "Pa", "XX YY ZZ XY YZ XZ, sum over contacts of force times branch / volume (output.stress)",
+    {"stress", "Pa", "XX YY ZZ XY YZ XZ, sum over contacts of force times branch / volume (output.stress); of a body on all its spheres",
      6, wants_stress, held_by<&Frame::stress>, values_of<&Frame::stress>, take_into<&Frame::stress>, "", true},
 };
 
@@ -256,6 +256,14 @@ PolyData body_poly(const Frame& frame) {
   if (superquadrics) {
     p.point_data.push_back({"semi_axes", 3, flat_of(axes)});
     p.point_data.push_back({"exponents", 2, std::move(exponents)});
+  }
+  if (!frame.stress.empty()) {
+    std::vector<std::array<double, 6>> stress;
+    for (const BodyRecord& b : frame.bodies) {
+      const auto at = std::lower_bound(frame.id.begin(), frame.id.end(), b.id) - frame.id.begin();
+      stress.push_back(frame.stress[static_cast<std::size_t>(at)]);
+    }
+    p.point_data.push_back({"stress", 6, Flat<std::array<double, 6>>::of(stress)});
   }
   return p;
 }

@@ -24,7 +24,7 @@ constexpr OutputFile k_files[] = {
     {"bodies.pvd", "source.shape",
      "the same for bodies that are no spheres, a point each: id, shape, scale, mass, velocity, angular_velocity, "
      "orientation (quaternion w, x, y, z from the axes of the [[shape]]); with superquadrics semi_axes and exponents "
-     "(n1, n2)"},
+     "(n1, n2); with output.stress stress"},
     {"grid.pvd", "output.grid", "the same for averages on a grid"},
     {"vtp/{particles,walls,contacts,bodies}-<N>.vtp", "output.vtp", "frame of step N"},
     {"vtp/grid-<N>.vti", "output.grid", "averages on a grid at step N"},

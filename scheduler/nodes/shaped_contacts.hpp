@@ -40,6 +40,7 @@ class ShapedContacts {
   bool touches(int k) const noexcept { return kind_[k] != Kind::apart; }
   /// From the centre of i to the contact point, of a shaped contact [m].
   Vec3 arm(int k) const noexcept { return arm_i_[k]; }
+  Vec3 other_arm(int k) const noexcept { return arm_j_[k]; }  ///< from that of j
 
  private:
   enum class Kind : std::uint8_t { spheres, apart, touch };

@@ -1,14 +1,17 @@
 // Part "tracer": a passive scalar c of each grain. A source gives it to its grains, contacts mix it:
 //   dc_i/dt = rate * sum over the contacts of i (c_j - c_i)   [explicit Euler, step dt]
-// What one grain gains its partner loses, to the bit of each term. Meant to be read as the example of a part: a column,
-// a pass over contacts, one over rows, a node at the end of the step, numbers for the time series, a ledger that a
-// checkpoint keeps. Invariants: I3 (terms of a grain are added in list order, as forces are), I7 (a chunk writes its
-// own rows of `next_`).
+// What one grain gains its partner loses, to the bit of each term. A body that is no sphere has one value, which all
+// its rows show; contacts of all its rows mix it. Meant to be read as the example of a part: a column, a pass over
+// contacts, one over rows, a node at the end of the step, numbers for the time series, a ledger that a checkpoint
+// keeps. Invariants: I3 (terms of a grain are added in list order, as forces are), I7 (a chunk writes its own rows of
+// `next_`; the rows of a body lie in one chunk).
 #include <algorithm>
 #include <cstring>
 
 #include "core/base/error.hpp"
+#include "core/grains/body_shape.hpp"
 #include "scheduler/part.hpp"
+#include "scheduler/parts/heat_bodies.hpp"
 #include "scheduler/team/pools.hpp"
 
 namespace talus {
@@ -42,7 +45,7 @@ class Tracer final : public Part {
              {{"tracer", true}, {"contacts"}},
              {{"next tracer"}},
              1,
-             [this](const PartView&, const Chunk& c) { add_differences(c); }},
+             [this](const PartView& w, const Chunk& c) { add_differences(w, c); }},
             {"tracer_rate",
              PartNode::When::rows,
              {{"tracer"}, {"next tracer"}},
@@ -57,19 +60,21 @@ class Tracer final : public Part {
              [this](const PartView&, const Chunk&) { std::swap(now_, next_); }}};
   }
 
-  void appended(const Rows&, Row first, const NewParticles& a) override {
+  void appended(const Rows& rows, Row first, const NewParticles& a) override {
     for (std::size_t k = 0; k < a.size(); ++k) {
       const double c = scene_.sources[static_cast<std::size_t>(a.source[k])].tracer;
       now_[static_cast<std::size_t>(first) + k] = next_[static_cast<std::size_t>(first) + k] = c;
-      ledger_.inserted += c;
+      if (rows.leads(first + static_cast<Row>(k))) ledger_.inserted += c;
     }
   }
-  void removed(const Rows&, Row i) override { ledger_.removed += now_[static_cast<std::size_t>(i)]; }
+  void removed(const Rows& rows, Row i) override {
+    if (rows.leads(i)) ledger_.removed += now_[static_cast<std::size_t>(i)];
+  }
   void take_back() override { std::swap(now_, next_); }
 
   /// Longer steps would let a grain of many contacts leave the range of its neighbours' values.
   double step_limit(const PartView&) const override {
-    return scene_.tracer_rate > 0 ? 1 / (k_most_contacts * scene_.tracer_rate) : k_never;
+    return scene_.tracer_rate > 0 ? 1 / (most_contacts() * scene_.tracer_rate) : k_never;
   }
 
   std::vector<PartValue> values(const PartView& w) const override {
@@ -94,12 +99,23 @@ class Tracer final : public Part {
     double inserted = 0, removed = 0;
   };
 
-  void add_differences(const Chunk& c) {
+  /// Of a clump so many on each of its spheres.
+  double most_contacts() const {
+    std::size_t spheres = 1;
+    if (makes_bodies(scene_))
+      for (const ShapeSpec& s : scene_.shapes) spheres = std::max(spheres, s.body->spheres.size());
+    return k_most_contacts * static_cast<double>(spheres);
+  }
+
+  void add_differences(const PartView& w, const Chunk& c) {
     const Scratch& s = *c.scratch;
     const double* now = now_.data();
     double* sum = next_.data();
     std::fill(sum + c.lo, sum + c.hi, 0.0);
+    const bool superquadrics = w.rules.has.superquadrics;
     for (std::int64_t q = 0; q < c.contacts.end[2]; ++q) {
+      // spheres that hold superquadrics meet before they do
+      if (superquadrics && s.depth[static_cast<std::size_t>(q)] == 0) continue;
       const Row i = s.ci[static_cast<std::size_t>(q)], j = s.cj[static_cast<std::size_t>(q)];
       sum[i] = sum[i] + (now[j] - now[i]);
       if (q >= c.contacts.end[0] && q < c.contacts.end[1]) sum[j] = sum[j] + (now[i] - now[j]);  // both are its own
@@ -108,8 +124,19 @@ class Tracer final : public Part {
 
   void advance(const PartView& w, const Chunk& c) {
     const double k = w.rules.scene.dt * scene_.tracer_rate;
+    if (w.rows.bodies.in) return advance_bodies(w, c, k);
     for (auto i = static_cast<std::size_t>(c.lo); i < static_cast<std::size_t>(c.hi); ++i)
       next_[i] = now_[i] + k * next_[i];
+  }
+  void advance_bodies(const PartView& w, const Chunk& c, double k) {
+    for (Row i = c.lo; i < c.hi; ++i) {
+      if (!w.rows.leads(i)) continue;
+      const Row end = w.rows.is_alive(i) ? end_of_grain(w, i) : i + 1;
+      double sum = 0;
+      for (Row q = i; q < end; ++q) sum = sum + next_[static_cast<std::size_t>(q)];
+      const double c_next = now_[static_cast<std::size_t>(i)] + k * sum;
+      for (Row q = i; q < end; ++q) next_[static_cast<std::size_t>(q)] = c_next;
+    }
   }
 
   /// Over blocks of 1024 rows (I3).
@@ -118,7 +145,7 @@ class Tracer final : public Part {
     for (Row b = 0; b < rows.n; b += 1024) {
       double part = 0;
       for (Row i = b; i < std::min<Row>(rows.n, b + 1024); ++i)
-        if (rows.is_alive(i)) part = part + now_[static_cast<std::size_t>(i)];
+        if (rows.is_alive(i) && rows.leads(i)) part = part + now_[static_cast<std::size_t>(i)];
       total = total + part;
     }
     return total;
@@ -137,10 +164,10 @@ class Tracer final : public Part {
                                 static_cast<std::size_t>(n[2]));
     Sample all;
     for (Row i = 0; i < w.rows.n; ++i) {
-      if (!w.rows.is_alive(i)) continue;
+      if (!w.rows.is_alive(i) || !w.rows.leads(i)) continue;
+      const double* x = w.rows.grain_at(i);
       int at[3];
-      for (int k = 0; k < 3; ++k)
-        at[k] = std::clamp(static_cast<int>(w.rows.p[4L * i + k] / w.rules.size[k] * n[k]), 0, n[k] - 1);
+      for (int k = 0; k < 3; ++k) at[k] = std::clamp(static_cast<int>(x[k] / w.rules.size[k] * n[k]), 0, n[k] - 1);
       Sample& s = samples[static_cast<std::size_t>((at[2] * n[1] + at[1]) * n[0] + at[0])];
       for (Sample* to : {&s, &all}) {
         to->sum += now_[static_cast<std::size_t>(i)];

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/frame/averages.hpp"
+#include "core/frame/body_shares.hpp"
 #include "core/frame/quantities.hpp"
 #include "core/grains/body_shape.hpp"
 #include "core/io/series.hpp"
@@ -112,6 +113,7 @@ struct RunOutputs::Impl {
   std::optional<PvdCollection> grid, bodies;
   std::vector<PvdCollection> part_grids;  ///< in the order of Simulation::part_grids()
   std::optional<SeriesWriter> series;
+  std::optional<BodyShares> shares;  ///< where regions or a grid are averaged over
   bool row_needs_frame = false;
   std::int64_t start = 0;  ///< step that the run begins with
   bool resumed = false;
@@ -126,7 +128,9 @@ struct RunOutputs::Impl {
         checkpoints(static_cast<double>(every), 1),
         by_clock(s.output.checkpoint_wall),
         moving_walls(walls_change(s)),
-        record(std::move(scene_record)) {}
+        record(std::move(scene_record)) {
+    if (s.output.grid.on || !s.output.regions.empty()) shares.emplace(scene);
+  }
 
   void save(const Simulation& simulation, const std::string& path) const {
     CheckpointWriter writer;
@@ -153,7 +157,7 @@ struct RunOutputs::Impl {
       bodies->add(frame.step, frame.time);
     }
     if (grid && grid->last_step() < frame.step) {
-      write_vti(grid->path(frame.step), average_grid(frame, scene, scene.output.grid.cells), frame.time);
+      write_vti(grid->path(frame.step), average_grid(frame, scene, scene.output.grid.cells, *shares), frame.time);
       grid->add(frame.step, frame.time);
     }
     if (!part_grids.empty()) write_part_grids(simulation.part_grids(), frame);
@@ -186,7 +190,7 @@ struct RunOutputs::Impl {
     if (frame) {
       row.walls = frame->wall_loads;
       for (const auto& average : scene.output.regions)
-        row.regions.push_back(average_region(*frame, scene, average.region));
+        row.regions.push_back(average_region(*frame, scene, average.region, *shares));
     }
     return row;
   }

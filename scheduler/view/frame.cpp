@@ -28,7 +28,7 @@ namespace {
 struct RowContact {
   Row i = 0, j = -1;
   ContactRecord record;
-  Vec3 arm_i, arm_j;  ///< from the centres to the contact point [m]; of spheres
+  Vec3 arm_i, arm_j;  ///< from the centres of the rows to the contact point [m]
 };
 
 /// Rows, contacts and walls of the present step, and lists of what touches now.
@@ -103,7 +103,8 @@ void record_pairs(const World& w, Chunk& c, std::vector<RowContact>& out) {
       if (i > j) continue;  // a pair across chunks is seen by both owners
       const ShapedContacts* shaped = blocks.shaped();
       if (shaped != nullptr && shaped->shaped(k)) {
-        if (shaped->touches(k)) out.push_back({i, j, shaped_record(w, i, j, k, *shaped, b), {}, {}});
+        if (shaped->touches(k))
+          out.push_back({i, j, shaped_record(w, i, j, k, *shaped, b), shaped->arm(k), shaped->other_arm(k)});
         continue;
       }
       const Vec3 branch{b.x[k], b.y[k], b.z[k]}, f{b.r[0][k], b.r[1][k], b.r[2][k]};
@@ -137,7 +138,8 @@ void record_walls(World& w, Chunk& c, std::vector<RowContact>& out) {
     t.tangential_force = c.wall.force[k] - t.normal_force;
     t.overlap = w.rows.p[4L * q.row + 3] - q.contact.distance;
     t.point = c.wall.point[k];
-    out.push_back({q.row, -1, t, -q.contact.distance * q.contact.normal, {}});
+    const bool shaped = w.rules.has.superquadrics && superquadric_of(w.rules, w.rows, q.row) != nullptr;
+    out.push_back({q.row, -1, t, shaped ? c.wall.arm[k] : -q.contact.distance * q.contact.normal, {}});
   }
 }
 
@@ -159,12 +161,25 @@ std::vector<RowContact> present_contacts(const World& w) {
   return all;
 }
 
-/// sigma = 1/V l f of one end of a contact, l from the centre to the contact point, f the force on the particle;
+/// Volume of the grain that a row belongs to, and the way from its centre to that of the row.
+struct GrainOfRow {
+  double volume;
+  Vec3 offset;
+};
+GrainOfRow grain_of(const Rules& rules, const Rows& rows, Row i) {
+  const std::int32_t b = rows.body_of(i);
+  if (b < 0) return {Body{rows.p[4L * i + 3]}.volume(), {}};
+  const double *x = rows.p.data() + 4L * i, *c = rows.grain_at(i), scale = rows.bodies.scale(b);
+  return {shape_of(rules, rows.bodies, b).volume * (scale * scale * scale),
+          rules.scene.domain.box().nearest({x[0] - c[0], x[1] - c[1], x[2] - c[2]})};
+}
+
+/// sigma = 1/V l f of one end of a contact, l from the centre of the grain to the contact point, f the force on it;
 /// compression < 0.
-void add_stress(const RowContact& c, bool first, double r, std::array<double, 6>& stress) {
-  const double volume = Body{r}.volume();
+void add_stress(const RowContact& c, bool first, const GrainOfRow& grain, std::array<double, 6>& stress) {
+  const double volume = grain.volume;
   const Vec3 force = (first ? 1.0 : -1.0) * (c.record.normal_force + c.record.tangential_force);
-  const Vec3 l = first ? c.arm_i : c.arm_j;
+  const Vec3 l = grain.offset + (first ? c.arm_i : c.arm_j);
   const double t[6] = {l.x * force.x,
                        l.y * force.y,
                        l.z * force.z,
@@ -172,6 +187,18 @@ void add_stress(const RowContact& c, bool first, double r, std::array<double, 6>
                        0.5 * (l.x * force.z + l.z * force.x),
                        0.5 * (l.y * force.z + l.z * force.y)};
   for (std::size_t m = 0; m < 6; ++m) stress[m] += t[m] / volume;
+}
+
+/// All spheres of a body show the stress of the body, summed at its first.
+void share_stress(const Rows& rows, const std::vector<std::int32_t>& place, Frame& f) {
+  const Bodies& bodies = rows.bodies;
+  for (Row i = 0; bodies.in && i < rows.n; ++i) {
+    const std::int32_t b = rows.body_of(i), at = place[static_cast<std::size_t>(i)];
+    if (b < 0 || at < 0) continue;
+    const auto first =
+        static_cast<std::size_t>(place[static_cast<std::size_t>(bodies.first[static_cast<std::size_t>(b)])]);
+    f.stress[static_cast<std::size_t>(at)] = f.stress[first];
+  }
 }
 
 /// What parts know of contacts.
@@ -196,10 +223,15 @@ void add_contacts(const World& w, const FrameRequest& q, const std::vector<std::
       if (ends[e] < 0 || place[static_cast<std::size_t>(ends[e])] < 0) continue;
       const auto at = static_cast<std::size_t>(place[static_cast<std::size_t>(ends[e])]);
       if (q.coordination) ++f.coordination[at];
-      if (q.stress) add_stress(c, e == 0, f.r[at], f.stress[at]);
+      if (!q.stress) continue;
+      const std::int32_t b = w.rows.body_of(ends[e]);
+      const Row first = b < 0 ? ends[e] : w.rows.bodies.first[static_cast<std::size_t>(b)];
+      const std::int32_t to = place[static_cast<std::size_t>(first)];
+      add_stress(c, e == 0, grain_of(w.rules, w.rows, ends[e]), f.stress[static_cast<std::size_t>(to)]);
     }
     if (q.contacts) f.contacts.push_back(c.record);
   }
+  if (q.stress) share_stress(w.rows, place, f);
   if (q.contacts) add_contact_columns(w.parts, view_of(w), contacts, f);
 }
 

@@ -6,8 +6,10 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "core/scene/scene_file.hpp"
 #include "scheduler/step/access.hpp"
 #include "tests/determinism/part_final.hpp"
+#include "tests/determinism/shaped_bed.hpp"
 
 namespace talus::determinism {
 namespace {
@@ -127,6 +129,73 @@ TEST(Tracer, ChangesNoMotionAndIsLeftOutWhereTheSceneDoesNotAsk) {
 TEST(Tracer, RefusesAStepThatWouldLeaveTheRangeOfTheValues) {
   const Scene s = traced(hopper(), 1 / hopper().dt);
   EXPECT_THROW(Simulation(s, RunOptions{}), Error);
+}
+
+/// Eggs begin with 1, rods and balls with 0; a stream brings more, others leave through an open side.
+Scene traced_shapes() {
+  const Scene s = parse_scene(bed_text("", "", k_law), "traced shapes", "", {});
+  return traced(s, usual_rate(s));
+}
+
+TEST(TracerOfBodies, TotalIsConservedToRoundingAndABodyHasOneValue) {
+  Simulation sim(traced_shapes(), RunOptions{});
+  sim.run(k_run);
+  EXPECT_GT(sim.counters().inserted, 20);
+  EXPECT_LT(std::fabs(value_of(sim, "tracer.residual")), 1e-12 * static_cast<double>(sim.particles()));
+  const Frame f = sim.frame();
+  ASSERT_EQ(f.extra.size(), 2U);
+  int between = 0;
+  double total = 0;
+  for (std::size_t i = 0; i < f.id.size(); ++i) {
+    const auto first = static_cast<std::size_t>(
+        std::lower_bound(f.id.begin(), f.id.end(), static_cast<ParticleId>(f.extra[0].values[i])) - f.id.begin());
+    const double c = f.extra[1].values[i];
+    EXPECT_EQ(c, f.extra[1].values[first]) << "of all its spheres";
+    EXPECT_GE(c, 0);
+    EXPECT_LE(c, 1);
+    if (first == i) total += c, between += c > 0.001 && c < 0.999 ? 1 : 0;
+  }
+  EXPECT_GT(between, 20);
+  EXPECT_NEAR(total, value_of(sim, "tracer.total"), 1e-12 * total);
+}
+
+TEST(TracerOfBodies, DependsOnTheTrajectoryAlone) {
+  const Scene s = traced_shapes();
+  const Variant plain{ListPolicy::local, 200, 1, 0, Isa::automatic};
+  Simulation first(plain.apply(s), plain.options());
+  first.run(k_run);
+  expect_same_in_other_ways(s, k_run, final_of(first));
+}
+
+TEST(TracerOfBodies, ResumeGoesOnToTheBit) { expect_same_after_resume(traced_shapes(), k_run, {10, 733}); }
+
+/// Two rods side by side touch with both spheres, two ellipsoids at one point; spheres that hold them mix nothing.
+TEST(TracerOfBodies, PairsExchangeAtTheRateOfTheirContacts) {
+  struct Case {
+    const char* shape;
+    double x;
+    int contacts;
+  };
+  for (const Case& c : {Case{"rod", 0.00999, 2}, {"egg", 0.00999, 1}, {"egg", 0.0101, 0}}) {
+    const std::string first = temporary_file("first.csv", "x,y,z,shape,scale\n0,0,0," + std::string(c.shape) + ",1\n"),
+                      second =
+                          temporary_file("second.csv", fmt::format("x,y,z,shape,scale\n{},0,0,{},1\n", c.x, c.shape));
+    Scene s = parse_scene(
+        "gravity = [0, 0, 0]\n[domain]\nlower = [-1, -1, -1]\nupper = [1, 1, 1]\nboundary = \"open\"\n"
+        "[time]\nstep = 1e-6\nduration = 1\n[[material]]\nname = \"m\"\ndensity = 2000\n[contact]\n"
+        "normal_stiffness = 100\nrestitution = 1\nfriction = 0\n[[shape]]\nname = \"rod\"\n"
+        "spheres = [0, 0, -0.005, 0.005, 0, 0, 0.005, 0.005]\n[[shape]]\nname = \"egg\"\nkind = \"superquadric\"\n"
+        "semi_axes = [0.005, 0.006, 0.01]\n[[source]]\nkind = \"file\"\nfile = \"" +
+            first + "\"\n[[source]]\nkind = \"file\"\nfile = \"" + second + "\"\n",
+        "two", "", {});
+    s = traced(s, 0.01 / s.dt);
+    Simulation sim(s, RunOptions{});
+    sim.run(10);
+    const Frame f = sim.frame();
+    const std::vector<double>& value = f.extra[1].values;
+    EXPECT_NEAR(value.front() - value.back(), std::pow(1 - 2 * 0.01 * c.contacts, 10), 1e-14) << c.shape << c.x;
+    EXPECT_NEAR(value.front() + value.back(), 1, 1e-15);
+  }
 }
 
 }  // namespace

@@ -31,7 +31,8 @@ const Keys<OutputSettings> k_output(
             "contacts of every frame; none of two fixed grains that touch, between which no force is computed", "true"),
         key("coordination", &OutputSettings::coordination, "contacts per particle, without those of two fixed grains",
             "true"),
-        key("stress", &OutputSettings::stress, "stress per particle", "true"),
+        key("stress", &OutputSettings::stress, "stress per particle; of a body that is no sphere that of all of it",
+            "true"),
         other_key<OutputSettings>("grid", KeyType::cells, "-", {1, 10000}, "averages on a grid of this many cells",
                                   "[10, 10, 20]")
             .absent("(none)"),

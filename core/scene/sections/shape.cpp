@@ -172,13 +172,6 @@ void read(const SceneTable& root, Scene& scene) {
   }
   if (!makes_bodies(scene)) return;
   set_natural_sizes(scene);
-  // what is said of each sphere by itself would be wrong of the body
-  constexpr const char* refused = "cannot be had of bodies that are no spheres";
-  const SceneTable output = root.section("output");
-  if (scene.output.stress) output.fail("stress", refused);
-  if (scene.output.grid.on) output.fail("grid", refused);
-  if (!scene.output.regions.empty()) output.fail("region", refused);
-  if (scene.tracer_rate >= 0) root.fail("tracer", refused);
   if (scene.heat.on) refuse_heat_of_bodies(root, scene);
   if (scene.gas.on && scene.gas.drag == GasDrag::beetstra)
     root.section("gas").fail("drag",

@@ -10,7 +10,8 @@ const Keys<Scene> k_tracer(
     fixed_by("the grains have exchanged it at this rate"),
     {
         key("rate", &Scene::tracer_rate, "1/s", k_not_negative,
-            "dc/dt = rate * sum over the contacts of (their c - c); 0: it only follows the grains. Particle files gain "
+            "dc/dt = rate * sum over the contacts of (their c - c), of a clump those of all its spheres; 0: it only "
+            "follows the grains. Particle files gain "
             "`tracer`, the series tracer.total, tracer.residual (total + removed - inserted) and tracer.mixing_index "
             "(Lacey 1954: 0 unmixed, 1 mixed at random)",
             "2.5")
