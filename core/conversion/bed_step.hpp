@@ -152,7 +152,8 @@ class Step {
   bool there_[k_bed_kinds] = {}, boils_ = false, condenses_ = false;  ///< in some lane
   Range<S> range_;  ///< of the temperatures that properties are asked for at
   B radius0_, surface_, emissivity_, area_, inner_, mass_film_, surface_gain_, surface_slope_, around_gain_,
-      around_loss_, gain_, loss_, heat_in_, dew_heat_, dew_share_, carried_, outflow_, evaporated_, reaction_, with_gas_;
+      around_loss_, gain_, loss_, heat_in_, dew_heat_, dew_share_, carried_, outflow_, evaporated_, reaction_,
+      with_gas_;
 };
 
 }  // namespace talus::conversion::bed

@@ -133,8 +133,8 @@ struct Matter {
 void check_matter(Matter& matter);
 
 /// Sets what a kg of char is that burns: its carbon burns, its hydrogen and oxygen leave as steam and hydrogen, without
-/// heat. Error{scene}: ash in it, more oxygen than steam takes, chars of several compositions. Part of check_matter, which
-/// leaves such a mixture as carbon; defined beside the cells' gases.
+/// heat. Error{scene}: ash in it, more oxygen than steam takes, chars of several compositions. Part of check_matter,
+/// which leaves such a mixture as carbon; defined beside the cells' gases.
 void settle_char(Matter& matter);
 
 /// Names of the pyrolysis presets, and one of them with wood (share 1 of the dry mass), its products and heat of

@@ -1,7 +1,6 @@
 // See body_walls.hpp. The reduction is that of core/walls/wall_contacts.cpp with overlaps in place of distances.
 #include "core/shapes/body_walls.hpp"
 
-
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -234,8 +233,7 @@ void share(const WallSet& walls, const std::vector<const Hit*>& accepted, const 
   out.clear();
   int own = -1;  // an edge or a corner holds a body wherever it touches it
   for (const Hit* h : accepted)
-    touches.push_back(
-        {-h->c.normal, h->c.overlap, h->face ? walls.surface(h->piece->wall) : own--, h->foot - centre});
+    touches.push_back({-h->c.normal, h->c.overlap, h->face ? walls.surface(h->piece->wall) : own--, h->foot - centre});
   for (Touch& t : touches)
     if (touches.size() > 1) t.curve = flattest(body, t.normal);
   if (!share_overlaps(touches)) {

@@ -187,7 +187,8 @@ class HeaderReader {
     Splitter data(separator_of(first));
     data.split(first);
     if (!h.complete() || h.names.size() != data.fields().size())
-      fail(name_, lines_.number(), "a row of numbers, but no header row before it (`talus convert` makes a CSV file of .xyz)", k_allowed);
+      fail(name_, lines_.number(),
+           "a row of numbers, but no header row before it (`talus convert` makes a CSV file of .xyz)", k_allowed);
     h.separator = data.separator();
     notes_.push_back(fmt::format("{}: the columns are named by the comment in line {}", name_, row));
     h.first_row_read = true;

@@ -41,7 +41,8 @@ void number(std::span<Touch> touches) {
   }
 }
 
-/// Pressed from opposite sides (more than a right angle), as a grain that fills a tube: each touch is a spring of its own.
+/// Pressed from opposite sides (more than a right angle), as a grain that fills a tube: each touch is a spring of its
+/// own.
 bool squeezed(std::span<const Touch> t, int group) {
   for (const Touch& a : t)
     for (const Touch& b : t)

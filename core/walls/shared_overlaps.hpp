@@ -12,8 +12,8 @@
 // gives the same force.
 //
 // With overlaps d and cosines G of the angles between the normals, the distance squared is the largest 2 d.s - s.G s of
-// all shares s >= 0. Three of them are enough in space. A grain that is pressed from opposite sides, as in a tube that it
-// fills, has a spring at each touch.
+// all shares s >= 0. Three of them are enough in space. A grain that is pressed from opposite sides, as in a tube that
+// it fills, has a spring at each touch.
 //
 // Facets that meet at a larger angle than k_one_contact says, without others between them that are touched too, are
 // springs of their own: a groove holds a grain in two places. They begin at overlap 0 as long as overlaps stay below
@@ -36,7 +36,7 @@ struct Touch {
   Vec3 normal;         ///< unit, from the wall to the grain
   double overlap = 0;  ///< [m], > 0
   int surface = 0;
-  Vec3 foot;  ///< the wall's point, from some centre [m]
+  Vec3 foot;          ///< the wall's point, from some centre [m]
   double radius = 0;  ///< of a sphere that touches an edge or a corner: the feet tell the angle [m]. 0: normals do
   /// Largest radius of curvature of a body that is no sphere [m]: feet farther apart than such a curve turns between
   /// the normals are two contacts, as the two ends of a rod.

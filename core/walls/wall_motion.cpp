@@ -107,9 +107,9 @@ double farthest_from_axis(Vec3 origin, Vec3 axis, std::span<const Vec3> points) 
 bool move_alike(const WallMotion& a, const WallMotion& b) noexcept {
   if (!a.any() || !b.any()) return a.any() == b.any();
   const auto same = [](Vec3 u, Vec3 v) { return u.x == v.x && u.y == v.y && u.z == v.z; };
-  const bool turn = a.rotation_rate == b.rotation_rate &&
-                    (a.rotation_rate == 0 ||
-                     (same(a.rotation_axis, b.rotation_axis) && same(a.rotation_origin, b.rotation_origin)));
+  const bool turn =
+      a.rotation_rate == b.rotation_rate &&
+      (a.rotation_rate == 0 || (same(a.rotation_axis, b.rotation_axis) && same(a.rotation_origin, b.rotation_origin)));
   const bool shake = same(a.amplitude, b.amplitude) && a.frequency == b.frequency && a.phase == b.phase;
   return same(a.velocity, b.velocity) && turn && shake && a.start == b.start && a.end == b.end;
 }

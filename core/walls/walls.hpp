@@ -66,7 +66,8 @@ struct WallSurface {
 class WallSet {
  public:
   static constexpr int k_max_contacts = 16;  ///< simultaneous wall contacts of one particle; more is Error{physics}
-  /// Facets, edges and corners that one particle touches before they are shared out to contacts; more is Error{physics}.
+  /// Facets, edges and corners that one particle touches before they are shared out to contacts; more is
+  /// Error{physics}.
   static constexpr int k_max_touches = 64;
   /// By how many periods a particle was wrapped along each axis.
   using Wraps = std::array<int, 3>;

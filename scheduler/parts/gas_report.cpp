@@ -62,10 +62,10 @@ void add_pressure(const gas::Gas& gas, const Scene& scene, std::vector<PartConce
   const char* why = wet ? "grains go on to boil at the temperature of their files" : "inlets give it a flow alone";
   const char* cure = gas.sealed() ? "a side that is open ([[gas.inlet]] kind = \"pressure\") holds it"
                                   : "gas.pressure should be that of the sides that are open";
-  all.push_back(
-      {"pressure",
-       fmt::format("the gas has come to {:.4g} Pa, from {:.4g} Pa: {}; {}", gas.pressure(), scene.gas.pressure, why, cure),
-       change, k_pressure_change, 1});
+  all.push_back({"pressure",
+                 fmt::format("the gas has come to {:.4g} Pa, from {:.4g} Pa: {}; {}", gas.pressure(),
+                             scene.gas.pressure, why, cure),
+                 change, k_pressure_change, 1});
 }
 
 /// More than there is room for: forms of bodies in small cells, deep overlaps.

@@ -95,8 +95,10 @@ Swing swing(const std::string& wall, Vec3 x, Vec3 v, const std::string& shape, c
 }
 
 // Before touches shared their overlaps the residuals of these scenes were 0.01 to 0.7. What is left is that of a force
-// whose direction turns within one step: of the order of one step's share of the swing, 1e-4.
-constexpr double k_most = 4e-4, k_most_rough = 1e-3;
+// whose direction turns within one step: of the order of one step's share of the swing, 1e-4. On rough ground a corner
+// may be reached late, between two that are farther apart than 32 degrees, and joins their springs: half of what they
+// hold at most, which is a few per mille of the swing here.
+constexpr double k_most = 4e-4, k_most_rough = 1e-3, k_most_late = 5e-3;
 
 TEST(Folds, TroughsKeepTheEnergyOfSpheresAtEveryFineness) {
   for (const int facets : {12, 24, 48, 100, 400, 1600})
@@ -120,7 +122,7 @@ TEST(Folds, WavesBowlsAndRoughGroundKeepTheEnergyOfSpheres) {
     const Vec3 above{k_middle, 0.027, k_middle}, v{0.2, 0, 0.1};
     EXPECT_LT(swing(mesh_wall(ground(cells, wave)), above, v, "", k_smooth, 60000).residual, k_most) << cells;
     EXPECT_LT(swing(mesh_wall(ground(cells, bowl)), above, v, "", k_smooth, 60000).residual, k_most) << cells;
-    EXPECT_LT(swing(mesh_wall(ground(cells, rough)), above, v, "", k_smooth, 60000).residual, k_most) << cells;
+    EXPECT_LT(swing(mesh_wall(ground(cells, rough)), above, v, "", k_smooth, 60000).residual, k_most_late) << cells;
   }
 }
 

@@ -58,18 +58,19 @@ class GrainInBed : public ::testing::TestWithParam<Case> {};
 // Both are of first order in the step or better; the rest between them falls with it (1e-3 here).
 TEST_P(GrainInBed, DoesWhatTheSingleGrainDoes) {
   const std::string text = wood(GetParam());
-  const auto file = std::filesystem::temp_directory_path() /
-                    fmt::format("talus-grain-{}-{}.toml", ::getpid(), GetParam().scheme);
+  const auto file =
+      std::filesystem::temp_directory_path() / fmt::format("talus-grain-{}-{}.toml", ::getpid(), GetParam().scheme);
   std::ofstream(file) << text;
   Simulation sim(
-      parse_scene(fmt::format("[domain]\nlower = [0, 0, 0]\nupper = [0.06, 0.06, 0.06]\n[time]\nstep = 0.001\nsteps = {}\n"
-                              "[[material]]\nname = \"wood\"\ndensity = 600\ngrain = \"{}\"\n[contact]\n"
-                              "normal_stiffness = 1000\nfriction = \"none\"\n[checks]\nallow_unstable_step = true\n"
-                              "[[source]]\nkind = \"lattice\"\nnumber = 1\nlattice = \"cubic\"\nregion = {{ lower = "
-                              "[0.02495, 0.02495, 0.02495], upper = [0.03505, 0.03505, 0.03505] }}\nsize = {{ diameter "
-                              "= 0.01 }}\n[conversion]\nevery = 5\nshells = 12\n",
-                              k_seconds * 1000, file.string()),
-                  "one.toml", "."),
+      parse_scene(
+          fmt::format("[domain]\nlower = [0, 0, 0]\nupper = [0.06, 0.06, 0.06]\n[time]\nstep = 0.001\nsteps = {}\n"
+                      "[[material]]\nname = \"wood\"\ndensity = 600\ngrain = \"{}\"\n[contact]\n"
+                      "normal_stiffness = 1000\nfriction = \"none\"\n[checks]\nallow_unstable_step = true\n"
+                      "[[source]]\nkind = \"lattice\"\nnumber = 1\nlattice = \"cubic\"\nregion = {{ lower = "
+                      "[0.02495, 0.02495, 0.02495], upper = [0.03505, 0.03505, 0.03505] }}\nsize = {{ diameter "
+                      "= 0.01 }}\n[conversion]\nevery = 5\nshells = 12\n",
+                      k_seconds * 1000, file.string()),
+          "one.toml", "."),
       options());
   sim.run(static_cast<std::int64_t>(k_seconds * 1000));
   std::filesystem::remove(file);

@@ -43,7 +43,8 @@ const Keys<MaterialGrain> k_material(
     {"material", true, ""}, fixed_by(k_exchanged),
     {key("grain", &MaterialGrain::grain,
          "grain file (`talus help grain`), relative to the scene, with matter, first temperature and surroundings of "
-         "the material's grains; its density must be that of the material; needs [conversion]. Of its [grain] and [time] a bed "
+         "the material's grains; its density must be that of the material; needs [conversion]. Of its [grain] and "
+         "[time] a bed "
          "takes the temperature alone: sizes come from sources, shells from [conversion]. Beside [heat] the first "
          "temperature is that of the source, and heat reaches grains as its sections say: of the file's surroundings "
          "oxygen, carbon_dioxide, steam and pressure count; beside [gas] the cells say what the gas is. Gases of "
