@@ -155,9 +155,8 @@ void Step<S>::fronts() {
   const B density = gas_density<S>(S::set(0.5) * (in(k_in_gas) + surface_), pressure_, m.gas_molar);
   const B oxidant[3] = {density * in(k_in_oxygen), density * in(k_in_carbon_dioxide), density * in(k_in_steam)};
   B way = one / most<S>(mass_film_ * area_, tiny), wet_open = one, char_open = one;
-  const B cube = radius0_ * radius0_ * radius0_;
+  const B cube = radius0_ * radius0_ * radius0_, per_fuel = S::set(m.per_fuel_density) / cube;
   const double *faces = cell(place_.face), *fuels = part(w_.before, 1), *coals = part(w_.before, 2);
-  const B per_fuel = S::set(m.per_fuel_density) / cube;
   for (int i = n; i-- > 0;) {
     const B t = ld(T_, i), face = ld(faces, i), below = i > 0 ? ld(faces, i - 1) : zero;
     const B middle = S::set(0.5) * (face + below), face3 = face * face * face, below3 = below * below * below;
@@ -189,9 +188,8 @@ void Step<S>::fronts() {
       char_open = char_open - front;
       B at = face, ash = zero;
       if (S::any(S::gt(front, zero))) {
-        const B fuel = there_[1] ? ld(fuels, i) * (per_fuel * S::set(m.per_volume[i])) : zero;
-        const B gone_out = gone * (shared * whole) * (one - fuel);  // Mixture::burnt_out
-        at = front_at<S>(below3, face3, face, one - gone_out, m.shrink[2]);
+        const B fuel = there_[1] ? ld(fuels, i) * (per_fuel * S::set(m.per_volume[i])) : zero;  // Mixture::burnt_out
+        at = front_at<S>(below3, face3, face, one - gone * (shared * whole) * (one - fuel), m.shrink[2]);
         ash = (face - at) / most<S>(pores * face * at, least_part);
       }
       for (int c = 0; c < m.chars; ++c) {

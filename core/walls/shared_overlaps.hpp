@@ -6,18 +6,9 @@
 // with its plane. Two springs would begin and end there at a finite force: every fold would add or take energy.
 //
 // How: the places of the grain at which it touches none of a few facets are an intersection of half spaces. Its
-// distance is their joint overlap, its direction their joint normal. Both are continuous, and the rate of that overlap
-// is the speed along that normal, as of any contact. What lies at or behind the tangent plane of another touch has no
-// part in it (below half a radius of overlap), so touches come and go without a force. A finer mesh of the same surface
-// gives the same force.
-//
-// With overlaps d and cosines G of the angles between the normals, the distance squared is the largest 2 d.s - s.G s of
-// all shares s >= 0. Three of them are enough in space. A grain that is pressed from opposite sides, as in a tube that
-// it fills, has a spring at each touch.
-//
-// Facets that meet at a larger angle than k_one_contact says, without others between them that are touched too, are
-// springs of their own: a groove holds a grain in two places. They begin at overlap 0 as long as overlaps stay below
-// 0.15 radii.
+// distance is their joint overlap, its direction their joint normal: a potential without jumps. What lies at or behind
+// the tangent plane of another touch has no part in it (below half a radius of overlap), so touches come and go without
+// a force. A finer mesh of the same surface gives the same force.
 #pragma once
 
 #include <limits>
@@ -26,6 +17,10 @@
 #include "core/base/types.hpp"
 
 namespace talus {
+
+// Facets that meet at a larger angle, without others between them that are touched too, are springs of their own: a
+// groove holds a grain in two places. They begin at overlap 0 as long as overlaps stay below 0.15 radii. A grain that
+// is pressed from opposite sides, as in a tube that it fills, has a spring at each touch.
 
 /// Cosine (32 degrees): touches of one surface whose normals are nearer than this are one contact. Its spring of
 /// friction goes along from facet to facet. Judged without the overlaps, so that a pair of facets or corners never
@@ -45,7 +40,9 @@ struct Touch {
   int group = 0;     ///< out: the first touch of the same contact
 };
 
-/// Sets shares and groups. False, and nothing set, if each touch is a contact of its own with all of its overlap.
+/// Sets shares and groups. With overlaps d and cosines G of the angles between the normals, the joint overlap squared
+/// is the largest 2 d.s - s.G s of all shares s >= 0; three of them are enough in space. False, and nothing set, if
+/// each touch is a contact of its own with all of its overlap.
 bool share_overlaps(std::span<Touch> touches);
 
 /// One contact out of a group.
