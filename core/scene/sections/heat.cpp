@@ -21,7 +21,8 @@ const Keys<General> k_heat(
             "`heat_flow` (conducted into particle_a, W), the series "
             "heat.total (enthalpy; that of grains with shells is conversion.heat), what came in by walls, gas, "
             "radiation, friction, held grains and sources, "
-            "heat.residual, heat.lowest, heat.mean, heat.highest, and the heat flow of each named wall",
+            "heat.residual, heat.lowest, heat.mean (over grains, by number), heat.highest, and the heat flow of each "
+            "named wall",
             "293.15")
             .required()
             .fixed("grains have begun with it"),
