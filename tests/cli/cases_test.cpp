@@ -213,7 +213,7 @@ TEST_F(Cases, MovingGratesStirTheBedThatRestsOnStillOnes) {
 TEST_F(Cases, AFurnaceThatCannotBeCountedNamesStepPlaceAndCure) {
   const Result r = run("grates/furnace.toml", {"time.duration=0.03", "heat.temperature=5000"});
   EXPECT_EQ(r.exit_code, 4);
-  EXPECT_NE(r.err.find("error: step 320: gas: "), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("error: step 240: gas: "), std::string::npos) << r.err;
   EXPECT_NE(r.err.find("a smaller gas.every"), std::string::npos) << r.err;
 }
 
