@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/count.hpp"
+#include "core/base/curve.hpp"
 #include "core/base/error.hpp"
 #include "core/base/input_file.hpp"
 #include "core/conversion/grain_table.hpp"
@@ -289,9 +290,9 @@ void read_surroundings(const Sections& in, GrainJob& job) {
   };
   if (r.has("oxygen") && !taken(Oxidant::oxygen)) r.fail("oxygen", "has no effect without a [[char_reaction]]");
   if (r.has("carbon_dioxide") && !taken(Oxidant::carbon_dioxide))
-    r.fail("carbon_dioxide", "has no effect without a [[char_reaction]] with oxidant = carbon_dioxide");
+    r.fail("carbon_dioxide", "has no effect without a [[char_reaction]] with oxidant = CO2");
   if (r.has("steam") && !taken(Oxidant::steam) && drying != Drying::equilibrium)
-    r.fail("steam", "has no effect without a [[char_reaction]] with oxidant = steam, or drying.law = equilibrium");
+    r.fail("steam", "has no effect without a [[char_reaction]] with oxidant = H2O, or drying.law = equilibrium");
   for (const char* key : {"velocity", "law"}) r.exclusive("film", key);
   for (const char* key : {"wall_temperature", "flux", "contact_conductance", "film", "velocity"})
     r.exclusive("surface_temperature", key);
@@ -316,12 +317,7 @@ double Series::missed(double from, double to) const {
   std::size_t k = 0;
   while (k < time.size() && time[k] <= from) ++k;
   if (k == time.size() || time[k] >= to) return 0;
-  double sum = 0, t = from, x = at(from);
-  for (; k < time.size() && time[k] < to; ++k) {
-    sum += 0.5 * (x + value[k]) * (time[k] - t);
-    t = time[k], x = value[k];
-  }
-  return (sum + 0.5 * (x + at(to)) * (to - t)) / (to - from) - 0.5 * (at(from) + at(to));
+  return TimeTable{time, value}.mean(0.5 * (from + to), to - from) - 0.5 * (at(from) + at(to));
 }
 
 double Series::largest() const {

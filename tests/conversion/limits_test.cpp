@@ -116,6 +116,14 @@ TEST(GrainChar, ThatIsNoPureCarbonBurnsItsCarbonAndKeepsEveryElement) {
   EXPECT_NE(said.find("oxygen of its steam"), std::string::npos) << said;
 }
 
+TEST(GrainFlux, OfAPulseWithinAStepIsAllHeat) {
+  const std::string ball =
+      "[time]\nstep = 0.5\nduration = 5\noutput_every = 5\n[grain]\ndiameter = 0.01\ntemperature = 300\n[material]\n"
+      "density = 600\n[heat_capacity]\nfuel = 1500\n[conductivity]\nfuel = 0.2\n[surroundings]\ntemperature = 300\n"
+      "film = 0\nflux = [[0, 0], [1.1, 0], [1.2, 4e4], [1.3, 0], [9, 0]]\n";  // 4000 J/m2
+  EXPECT_NEAR(end_of(ball, "heat_in") / (4000 * 3.14159265358979 * 1e-4), 1, 1e-6);
+}
+
 TEST(GrainOxidants, ThatNoReactionTakesAreRefused) {
   const std::string ball = ball_of_char("");
   EXPECT_EQ(refusal(ball), "accepted");
