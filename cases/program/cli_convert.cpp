@@ -203,7 +203,7 @@ std::string left_out(const Frame& f, Format format) {
   const bool of_spheres = other || (csv && !f.bodies.empty());  // a row of a table of bodies has none of these
   if (of_spheres && !f.coordination.empty()) name("coordination");
   if ((csv || other) && !f.stress.empty()) name("stress");
-  if (of_spheres)
+  if (other)
     for (const ExtraColumn& e : f.extra)
       if (e.name != "body") name(e.name.c_str());
   if (!csv && !f.bodies.empty()) name("bodies: particles are their spheres");

@@ -147,6 +147,10 @@ std::uint64_t chosen_by(Choose choose) {
 }  // namespace
 
 std::span<const ParticleQuantity> particle_quantities() noexcept { return k_particles; }
+bool is_part_column(std::string_view name) noexcept {
+  return !name.empty() && name != "body" &&
+         std::none_of(std::begin(k_particles), std::end(k_particles), [&](const auto& q) { return q.name == name; });
+}
 std::span<const ContactQuantity> contact_quantities() noexcept { return k_contacts; }
 
 ParticleColumns ParticleColumns::of(const Scene& scene, const Frame& example) {

@@ -30,6 +30,8 @@ struct ParticleQuantity {
   bool forces = false;   ///< from contact forces, which mean nothing after a failed step
 };
 std::span<const ParticleQuantity> particle_quantities() noexcept;
+/// Is a column of doubles in a file one of a part, which no table here knows, so that it is carried along by its name?
+bool is_part_column(std::string_view name) noexcept;
 
 /// A column of contact frames.
 struct ContactQuantity {

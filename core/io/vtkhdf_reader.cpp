@@ -36,6 +36,21 @@ struct VtkHdfReader::Impl {
       fail("damaged");
     return out;
   }
+
+  /// Columns that hold one double for each point and that no table here knows, by name.
+  std::vector<std::string> columns_of_parts() const {
+    std::vector<std::string> names;
+    const Handle group(H5Gopen2(file, "/VTKHDF/PointData", H5P_DEFAULT));
+    const auto keep = [](hid_t in, const char* name, const H5L_info_t*, void* to) -> herr_t {
+      const Handle data(H5Dopen2(in, name, H5P_DEFAULT));
+      const Handle type(data < 0 ? -1 : H5Dget_type(data)), space(data < 0 ? -1 : H5Dget_space(data));
+      if (data >= 0 && H5Sget_simple_extent_ndims(space) == 1 && H5Tequal(type, H5T_IEEE_F64LE) > 0 && is_part_column(name))
+        static_cast<std::vector<std::string>*>(to)->emplace_back(name);
+      return 0;
+    };
+    if (group >= 0) H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, keep, &names);
+    return names;
+  }
 };
 
 VtkHdfReader::VtkHdfReader(const std::string& path) : impl_(std::make_unique<Impl>()) {
@@ -85,6 +100,8 @@ Frame VtkHdfReader::frame(std::size_t k) const {
         values);
     q.take(f, std::move(values));
   }
+  for (const std::string& name : m.columns_of_parts())
+    f.extra.push_back({name, "", m.read<double>("/VTKHDF/PointData/" + name, H5T_NATIVE_DOUBLE, from, n, 1)});
   // such a file holds the spheres of bodies, not how the bodies lie
   f.bodies_missing = H5Lexists(m.file, "/VTKHDF/PointData/body", H5P_DEFAULT) > 0;
   return f;

@@ -72,6 +72,19 @@ class VtpFile {
   }
   bool has(std::string_view name) const { return !tag_of(name).empty(); }
 
+  /// Columns of points that hold one double for each: those of parts among them, whose names no table here knows.
+  std::vector<std::string> scalars() const {
+    const std::size_t begin = std::min(xml_.find("<PointData"), xml_.size());
+    const std::string_view data = xml_.substr(begin, xml_.find("</PointData>") - begin);
+    std::vector<std::string> names;
+    for (std::size_t at = data.find("<DataArray"); at != std::string_view::npos; at = data.find("<DataArray", at + 1)) {
+      const std::string_view tag = data.substr(at, data.find('>', at) - at);
+      if (attribute(tag, "type") == "Float64" && attribute(tag, "NumberOfComponents") == "1")
+        names.emplace_back(attribute(tag, "Name"));
+    }
+    return names;
+  }
+
   /// The block of a column: points() rows of `components` values.
   template <class T>
   std::vector<T> column(std::string_view name, std::size_t components) const {
@@ -167,6 +180,8 @@ Frame read_vtp(const std::string& path) {
     q.take(f, std::move(values));
   }
   if (file.has("body")) read_bodies(path, file, f);
+  for (const std::string& name : file.scalars())
+    if (is_part_column(name)) f.extra.push_back({name, "", file.column<double>(name, 1)});
   return f;
 }
 

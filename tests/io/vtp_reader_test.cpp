@@ -52,6 +52,23 @@ TEST(VtpReader, ReturnsEveryColumnOfTheFrameThatWasWritten) {
   }
 }
 
+TEST(VtpReader, BothFormatsKeepTheColumnsOfParts) {
+  TemporaryFolder folder;
+  Frame f = make_frame(8, 3);
+  f.extra = {{"temperature", "K", {300.5, 1e-300, 0.1}}, {"tracer", "", {1, 0, 0.25}}};
+  const ParticleColumns columns = ParticleColumns::of(f);
+  write_vtp(folder / "particles-000000000008.vtp", particle_poly(f, columns), f.time);
+  VtkHdfWriter(folder / "particles.vtkhdf", columns).append(f);
+  for (const char* name : {"particles-000000000008.vtp", "particles.vtkhdf"}) {
+    const Frame back = ParticleFrames(folder / name).frame(0);
+    ASSERT_EQ(back.extra.size(), 2U) << name;
+    for (std::size_t k = 0; k < 2; ++k) {
+      EXPECT_EQ(back.extra[k].name, f.extra[k].name);
+      EXPECT_EQ(back.extra[k].values, f.extra[k].values);
+    }
+  }
+}
+
 TEST(VtpReader, BothFormatsOfARunGiveTheSameFrames) {
   TemporaryFolder folder;
   const auto write = [&](const std::vector<int>& hdf_steps, const std::vector<int>& vtp_steps) {
