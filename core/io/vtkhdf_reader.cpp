@@ -44,7 +44,8 @@ struct VtkHdfReader::Impl {
     const auto keep = [](hid_t in, const char* name, const H5L_info_t*, void* to) -> herr_t {
       const Handle data(H5Dopen2(in, name, H5P_DEFAULT));
       const Handle type(data < 0 ? -1 : H5Dget_type(data)), space(data < 0 ? -1 : H5Dget_space(data));
-      if (data >= 0 && H5Sget_simple_extent_ndims(space) == 1 && H5Tequal(type, H5T_IEEE_F64LE) > 0 && is_part_column(name))
+      if (data >= 0 && H5Sget_simple_extent_ndims(space) == 1 && H5Tequal(type, H5T_IEEE_F64LE) > 0 &&
+          is_part_column(name))
         static_cast<std::vector<std::string>*>(to)->emplace_back(name);
       return 0;
     };

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "core/base/det_math.hpp"
+#include "core/grains/region.hpp"
 #include "core/scene/duration.hpp"
 #include "core/walls/shapes/shape.hpp"
 
@@ -117,6 +118,27 @@ void note_empty_space(const Scene& scene, Notes& notes) {
   }
 }
 
+/// Shares of bodies that are no spheres are summed over rays within each (core/frame/body_shares.hpp): few of these
+/// meet a region much smaller than the body.
+void note_small_regions(const Scene& scene, Notes& notes) {
+  double body = 0;  // [m]
+  for (const Source& s : scene.sources)
+    if (s.shape >= 0 && s.kind != Source::Kind::file) body = fmax2(body, s.size.largest());
+  const auto look = [&](const std::string& what, double volume) {
+    const double edge = det::cbrt(volume);
+    if (edge < body)
+      notes.push_back(fmt::format(
+          "{} a cube of {:.3g} m, and bodies are as large as spheres of {:.3g} m: their shares in it are rough", what,
+          edge, body));
+  };
+  for (const auto& a : scene.output.regions)
+    look(fmt::format("output region '{}' is as large as", a.name), volume(a.region));
+  if (!scene.output.grid.on) return;
+  const Vec3 size = scene.domain.upper - scene.domain.lower;
+  const auto& n = scene.output.grid.cells;
+  look("each cell of output.grid is as large as", size.x / n[0] * (size.y / n[1]) * (size.z / n[2]));
+}
+
 }  // namespace
 
 std::vector<std::string> doubts_of(const Scene& scene, bool cut) {
@@ -127,6 +149,7 @@ std::vector<std::string> doubts_of(const Scene& scene, bool cut) {
   note_degrees(scene, notes);
   note_units(scene, notes);
   note_empty_space(scene, notes);
+  note_small_regions(scene, notes);
   return notes;
 }
 

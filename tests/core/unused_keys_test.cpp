@@ -182,6 +182,26 @@ TEST(UnusedKeys, AveragesOverSpaceThatIsNotThereAreSaid) {
   EXPECT_CONTAINS(notes(region + "[1, 1, 1.5]\n"), "output region 'bed' reaches 0.5 m out of the domain");
 }
 
+TEST(UnusedKeys, AveragesOverSpaceSmallerThanABodyAreSaid) {
+  const auto with = [](const std::string& shape, const std::string& output, const std::string& grid = "") {
+    return notes(grid +
+                 "[[shape]]\nname = \"rod\"\nkind = \"clump\"\nspheres = [0, 0, 0, 0.1, 0.2, 0, 0, 0.1]\n"
+                 "[[source]]\nkind = \"random\"\nnumber = 5\nsize = { diameter = 0.26 }\n" +
+                 shape + "region = { lower = [0, 0, 0], upper = [1, 1, 1] }\n" + output);
+  };
+  const auto region = [](const std::string& upper) {
+    return "[[output.region]]\nname = \"bed\"\nlower = [0, 0, 0]\nupper = [" + upper + "]\n";
+  };
+  const std::string rod = "shape = \"rod\"\n";
+  EXPECT_EQ(with(rod, region("0.3, 0.3, 0.3")), "");
+  EXPECT_EQ(with(rod, region("1, 1, 0.03")), "");  // a thin layer meets many of them
+  EXPECT_CONTAINS(with(rod, region("0.2, 0.2, 0.2")),
+                  "'bed' is as large as a cube of 0.2 m, and bodies are as large as spheres of 0.26 m");
+  EXPECT_EQ(with("", region("0.2, 0.2, 0.2")).find("bed"), std::string::npos);  // a sphere's share is exact
+  EXPECT_EQ(with(rod, "", "grid = [3, 3, 3]\n"), "");
+  EXPECT_CONTAINS(with(rod, "", "grid = [5, 5, 5]\n"), "each cell of output.grid is as large as a cube of 0.2 m");
+}
+
 TEST(UnusedKeys, CelsiusDegreesAndOtherUnitsAreDoubted) {
   const std::string heat = "[heat]\ncapacity = 800\nconductivity = 1\ntemperature = ";
   EXPECT_EQ(notes(heat + "293\n"), "");
