@@ -19,6 +19,8 @@ constexpr double k_contact =
     12e-9;  // [s] at most per contact and step on one thread, where too few are there to measure
 constexpr double k_contact_share = 0.8;   // the same beside a step without contacts: slow machines are slow in both
 constexpr double k_dense_contacts = 2.3;  // per particle in a bed at rest with friction, walls counted: 2.0 to 2.6
+// The same of superquadrics, each pair of which is solved: settled ellipsoids (perf/measured/shapes.md).
+constexpr double k_shaped_contact = 340e-9, k_shaped_share = 5, k_shaped_contacts = 3.2;
 
 constexpr double k_slice = 0.005;  // of the measurement, at least: to begin a run costs as much as a step of few grains
 
@@ -79,6 +81,9 @@ void time_outputs(const Simulation& simulation, Cost& c) {
   volatile double energy = simulation.kinetic_energy();  // is part of a row
   static_cast<void>(energy);
   c.row = since(begin);
+  for (const BodyRecord& b : frame.bodies)
+    c.shaped += simulation.scene().shapes[static_cast<std::size_t>(b.shape)].kind == ShapeSpec::Kind::superquadric;
+  c.shaped /= std::max(1.0, static_cast<double>(frame.v.size()));
   double v2 = 0;
   for (const Vec3& v : frame.v) v2 += norm2(v);
   if (!frame.v.empty()) c.speed = std::sqrt(v2 / static_cast<double>(frame.v.size()));
@@ -105,9 +110,11 @@ Cost measure_cost(Simulation& simulation, double seconds) {
   }
   if (c.per_particle_step > 0) {
     // Candidates and forces scale with the contacts, everything else with the particles.
+    const auto of = [&](double spheres, double shaped) { return spheres + c.shaped * (shaped - spheres); };
     const double each = c.contacts > 1 ? (force + c.narrow) / contacts / threads
-                                       : std::min(k_contact_share * c.per_particle_step, k_contact / threads);
-    c.dense = c.per_particle_step + std::max(0.0, k_dense_contacts - c.contacts) * each;
+                                       : std::min(of(k_contact_share, k_shaped_share) * c.per_particle_step,
+                                                  of(k_contact, k_shaped_contact) / threads);
+    c.dense = c.per_particle_step + std::max(0.0, of(k_dense_contacts, k_shaped_contacts) - c.contacts) * each;
   } else {
     c.per_particle_step = c.dense = k_stated / threads;
     c.stated = fmt::format("nothing to measure in the first steps: {:.0f} ns per particle-step and thread assumed",

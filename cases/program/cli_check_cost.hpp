@@ -15,6 +15,7 @@ struct Cost {
   double per_particle_step = 0;    ///< [s] in the second half of the measurement: the state that goes on
   double dense = 0;                ///< [s] with the contacts of a dense bed, if fewer were there
   double contacts = 0;             ///< per particle, at the end of the measurement
+  double shaped = 0;               ///< share of superquadrics among the particles then
   double rebuild = 0, narrow = 0;  ///< [s] per rebuild, per step
   double frame = 0, row = 0;       ///< [s] per output of particles and of the series, without the disk
   double speed = 0;                ///< rms speed [m/s]
