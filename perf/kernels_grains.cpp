@@ -70,7 +70,8 @@ struct Grains {
     scratch.assign(static_cast<std::size_t>(bed_scratch(m)) + 8, 0.0);
     const auto set = [&](BedIn c, double v) { std::fill_n(in.data() + c * stride, stride, v); };
     set(k_in_gas, 900), set(k_in_wall, 1100), set(k_in_film, -1), set(k_in_sees, 1), set(k_in_velocity, 1);
-    set(k_in_oxygen, 0.2);
+    set(k_in_oxygen, 0.2), set(k_in_molar, 0.0288);
+    set(k_in_pressure, 101325);
     batch.grains = grains;
     batch.row = row.data();
     batch.in = in.data();

@@ -13,6 +13,7 @@ struct GasAround {
   V oxygen = V(0), carbon_dioxide = V(0), steam = V(0);  ///< concentrations [kg/m3]
   V vapour = V(0);                                       ///< of water, for drying [kg/m3]
   double pressure = 101325;                              ///< [Pa]
+  double molar = 0.029;                                  ///< of the mixture [kg/mol]
 };
 
 inline constexpr double k_atmosphere = 101325;  // [Pa]

@@ -159,9 +159,13 @@ TALUS_SHAPES_INLINE typename S::B gas_density(typename S::B T, double pressure, 
   return S::set(pressure * molar / 8.31446261815324) / T;
 }
 template <class S>
-TALUS_SHAPES_INLINE typename S::B gas_diffusivity(typename S::B T, double pressure) {
+TALUS_SHAPES_INLINE typename S::B gas_density(typename S::B T, typename S::B pressure, typename S::B molar) {
+  return S::set(1 / 8.31446261815324) * pressure * molar / T;
+}
+template <class S>
+TALUS_SHAPES_INLINE typename S::B gas_diffusivity(typename S::B T, typename S::B per_pressure) {
   const auto x = T * S::set(1.0 / 298), root = S::sqrt(x);
-  return S::set(2.07e-5 * (101325 / pressure)) * (x * root * S::sqrt(root));
+  return S::set(2.07e-5 * 101325) * per_pressure * (x * root * S::sqrt(root));
 }
 template <class S>
 TALUS_SHAPES_INLINE typename S::B saturated(const BedMatter& m, typename S::B T, double pressure) {
@@ -194,17 +198,17 @@ TALUS_SHAPES_INLINE typename S::B transfer_number(int law, typename S::B Re, typ
 }
 /// Heat transfer coefficient [W/m2/K] and that of mass [m/s] of a grain of diameter d at the film's temperature T.
 template <class S>
-typename S::B film_coefficients(const BedMatter& m, typename S::B d, typename S::B u, typename S::B T, double pressure,
-                                typename S::B& mass_film) {
+typename S::B film_coefficients(const BedMatter& m, typename S::B d, typename S::B u, typename S::B T,
+                                typename S::B pressure, typename S::B& mass_film) {
   using B = typename S::B;
   const B mu = sutherland<S>(m.viscosity, m.viscosity_S, T);
   const B k = sutherland<S>(m.gas_conductivity, m.gas_conductivity_S, T);
   const B cp = S::set(m.gas_heat) + S::set(m.gas_heat_slope) * (T - S::set(300));
-  const B rho = gas_density<S>(T, pressure, m.gas_molar), per = S::set(1) / d;
+  const B rho = gas_density<S>(T, pressure, S::set(m.gas_molar)), per = S::set(1) / d;
   const B Re = rho * u * d / mu;
   mass_film = S::set(0);
   if (m.chars > 0 || m.dries != 0) {
-    const B D = gas_diffusivity<S>(T, pressure);
+    const B D = gas_diffusivity<S>(T, S::set(1) / pressure);
     mass_film = transfer_number<S>(m.film_law, Re, mu / (rho * D)) * D * per;
   }
   return transfer_number<S>(m.film_law, Re, mu * cp / k) * k * per;

@@ -151,6 +151,8 @@ enum BedIn : int {
   k_in_oxygen,
   k_in_carbon_dioxide,
   k_in_steam,       ///< mass fractions
+  k_in_molar,       ///< of the gas, a mixture [kg/mol]
+  k_in_pressure,    ///< of the gas now; that of the batch decides where water boils [Pa]
   k_in_condensing,  ///< water that the surface gets from the gas while it is as cold as at the start [kg]; mostly 0
   k_in_dew,         ///< temperature of the outermost shell at which it gets none [K]
   k_in_dew_heat,    ///< heat that it brings, less that of the water at the temperature of the shell [J/kg]

@@ -101,8 +101,8 @@ void Step<S>::film() {
   const B given = in(k_in_film);
   B mass_film = zero, h = given;
   if (m.chars > 0 || m.dries != 0 || S::any(S::lt(given, zero))) {
-    h = film_coefficients<S>(m, S::set(2) * radius, in(k_in_velocity), S::set(0.5) * (gas + surface_), pressure_,
-                             mass_film);
+    h = film_coefficients<S>(m, S::set(2) * radius, in(k_in_velocity), S::set(0.5) * (gas + surface_),
+                             in(k_in_pressure), mass_film);
     const auto by_law = S::lt(given, zero);
     mass_film = S::select(by_law, mass_film, mass_film * given / h);  // that of mass goes with that of heat
     h = S::select(by_law, h, given);
@@ -111,7 +111,7 @@ void Step<S>::film() {
     const B loss = S::load(cell(place_.carried));
     h = h * blown<S>(loss / most<S>(h * area_, S::set(1e-300)));
     if (m.chars > 0 || m.dries != 0) {  // of the mass that comes out, as of a single grain
-      const B through = gas_density<S>(surface_, pressure_, 0.029) * mass_film * area_;
+      const B through = gas_density<S>(surface_, in(k_in_pressure), in(k_in_molar)) * mass_film * area_;
       mass_film = mass_film * blown<S>(S::load(cell(place_.outflow)) / most<S>(through, S::set(1e-300)));
     }
   }
@@ -152,15 +152,16 @@ void Step<S>::fronts() {
   const B tiny = S::set(1e-300), one = S::set(1), zero = S::set(0), trace = S::set(50),
           sphere = S::set(12.566370614359172);
   const B least_part = S::set(1e-60);  // products of three stay numbers
-  const B density = gas_density<S>(S::set(0.5) * (in(k_in_gas) + surface_), pressure_, m.gas_molar);
+  const B density = gas_density<S>(S::set(0.5) * (in(k_in_gas) + surface_), in(k_in_pressure), in(k_in_molar));
   const B oxidant[3] = {density * in(k_in_oxygen), density * in(k_in_carbon_dioxide), density * in(k_in_steam)};
+  const B per_pressure = one / in(k_in_pressure);
   B way = one / most<S>(mass_film_ * area_, tiny), wet_open = one, char_open = one;
   const B cube = radius0_ * radius0_ * radius0_, per_fuel = S::set(m.per_fuel_density) / cube;
   const double *faces = cell(place_.face), *fuels = part(w_.before, 1), *coals = part(w_.before, 2);
   for (int i = n; i-- > 0;) {
     const B t = ld(T_, i), face = ld(faces, i), below = i > 0 ? ld(faces, i - 1) : zero;
     const B middle = S::set(0.5) * (face + below), face3 = face * face * face, below3 = below * below * below;
-    const B pores = S::set(m.pores) * gas_diffusivity<S>(t, pressure_) * sphere;
+    const B pores = S::set(m.pores) * gas_diffusivity<S>(t, per_pressure) * sphere;
     const B first = cube * S::set(m.volume[i]), dry0 = most<S>(first * S::set(m.fuel_density), tiny);
     const B coal = m.chars > 0 && there_[2] ? ld(coals, i) : zero, gone = burnt(i);
     const B char0 = most<S>(coal + gone, least_part);

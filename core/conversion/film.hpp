@@ -13,10 +13,17 @@ struct GasKind {
   double viscosity, viscosity_S;              ///< Sutherland: at 273.15 K [Pa s], constant [K]
   double conductivity, conductivity_S;        ///< [W/m/K], [K]
   double heat_capacity, heat_capacity_slope;  ///< at 300 K [J/kg/K], [J/kg/K2]
+  double inert;                               ///< without its oxygen [kg/mol]
 };
 /// White, Viscous Fluid Flow (Sutherland's law); heat capacities: JANAF, straight line between 300 and 1500 K.
-inline constexpr GasKind k_air{0.028965, 1.716e-5, 111, 0.0241, 194, 1005, 0.175};
-inline constexpr GasKind k_nitrogen{0.028013, 1.663e-5, 107, 0.0242, 150, 1040, 0.17};
+inline constexpr GasKind k_air{0.028965, 1.716e-5, 111, 0.0241, 194, 1005, 0.175, 0.028154};
+inline constexpr GasKind k_nitrogen{0.028013, 1.663e-5, 107, 0.0242, 150, 1040, 0.17, 0.028013};
+
+/// Molar mass [kg/mol] of a mixture with these fractions by mass; `rest`: of what else is in it.
+inline double mixture_molar(double oxygen, double carbon_dioxide, double steam, double rest) {
+  return 1 / (oxygen / 0.031998 + carbon_dioxide / 0.04401 + steam / 0.018015 +
+              (1 - oxygen - carbon_dioxide - steam) / rest);
+}
 
 inline double sutherland(double at_ice, double S, double T) {
   const double x = T / 273.15;

@@ -267,6 +267,7 @@ void read_surroundings(const Sections& in, GrainJob& job) {
   a.oxygen = r.series("oxygen");
   a.carbon_dioxide = r.series("carbon_dioxide");
   a.steam = r.series("steam");
+  a.rest = r.has("oxygen") ? a.gas.inert : a.gas.molar;
   a.wall_temperature = r.series_if("wall_temperature");
   a.surface_temperature = r.series_if("surface_temperature");
   a.film = r.series_if("film");
@@ -341,9 +342,14 @@ Surroundings<double> SurroundingsOverTime::at(double t, double radius, double su
   return s;
 }
 
+double SurroundingsOverTime::molar_at(double t) const {
+  return mixture_molar(oxygen.at(t), carbon_dioxide.at(t), steam.at(t), rest);
+}
+
 GasAround<double> SurroundingsOverTime::gas_at(double t, double radius, double surface) const {
   GasAround<double> g;
-  const double T = temperature.at(t), rho = gas_density(0.5 * (T + surface), pressure, gas.molar);
+  g.molar = molar_at(t);
+  const double T = temperature.at(t), rho = gas_density(0.5 * (T + surface), pressure, g.molar);
   const Film f = film_of(gas, law, 2 * radius, velocity.at(t), T, surface, pressure);
   // Where the coefficient of heat is given, that of mass goes with it.
   const double still = film ? film->at(t) / f.heat : 1;

@@ -29,6 +29,8 @@ struct SurroundingsOverTime {
   Series temperature, velocity, flux, contact_conductance, oxygen, carbon_dioxide, steam;
   std::optional<Series> wall_temperature, surface_temperature, film, contact_temperature;
   double pressure = 101325;
+  double rest = k_nitrogen.molar;   ///< of what is neither of the three: without oxygen where that is given [kg/mol]
+  double molar_at(double t) const;  ///< of the mixture [kg/mol]
   /// At time t for a grain of that radius and surface temperature.
   Surroundings<double> at(double t, double radius, double surface) const;
   GasAround<double> gas_at(double t, double radius, double surface) const;

@@ -45,8 +45,9 @@ void GrainStep<V>::char_and_drying(const GrainState<V>& g, const Stage& w, const
   const V area = shells_.area[n_], tiny = V(1e-300);
   using heat::square_root;
   const auto surface = [&](V r) { return most(heat::area_of(shells_.shape, r, shells_.factor), tiny); };
-  const V blow =
-      !matter_.blowing ? V(0) : stage_gas_ / most(gas_density(surface_T_, gas.pressure, 0.029) * gas.film * area, tiny);
+  const V blow = !matter_.blowing
+                     ? V(0)
+                     : stage_gas_ / most(gas_density(surface_T_, gas.pressure, gas.molar) * gas.film * area, tiny);
   V way = V(1) / most(gas.film * blown(most(blow, V(0))) * area, tiny);  // resistance to here [s/m3]
   V wet_open = V(1), char_open = V(1);
   for (std::size_t i = n_; i-- > 0;) {

@@ -23,7 +23,7 @@ double saturation(const BedMatter& m, double T, double pressure) {
   return pressure * det::exp(slope_of(m) / m.boiling - slope_of(m) / T);
 }
 
-/// Of the gas around grains: beside [gas] that of its cells at first, whatever the grain file says [Pa].
+/// At which water boils: beside [gas] that of its cells at first, whatever the grain file says [Pa].
 double pressure_around(const PartView& w, const SurroundingsOverTime& file) {
   return w.rules.scene.gas.on ? w.rules.scene.gas.pressure : file.pressure;
 }
@@ -99,6 +99,8 @@ void Conversion::surroundings(const PartView& w, const Kind& kind, Batch& b) con
   b.set(k_in_oxygen, a.oxygen.at(t));
   b.set(k_in_carbon_dioxide, a.carbon_dioxide.at(t));
   b.set(k_in_steam, a.steam.at(t));
+  b.set(k_in_molar, a.molar_at(t));
+  b.set(k_in_pressure, pressure_around(w, a));
   if (!heated_) {
     for (std::size_t k = 0; k < b.rows.size() && !shapes_.empty(); ++k)
       for (const BedIn of_grain : {k_in_contact, k_in_contact_heat})
@@ -122,6 +124,8 @@ void Conversion::exchanged(const PartView& w, const Kind& kind, Row i, std::size
   if (gas.film > 0) b.at(k_in_gas, k) = gas.temperature;
   b.at(k_in_velocity, k) = gas.slip;
   if (cells == nullptr) return;
+  b.at(k_in_molar, k) = gas.molar;
+  b.at(k_in_pressure, k) = gas.pressure;
   b.at(k_in_oxygen, k) = gas.kept[0];
   b.at(k_in_carbon_dioxide, k) = gas.kept[1];
   b.at(k_in_steam, k) = kind.burns[2] ? gas.kept[2] : gas.steam;
@@ -261,10 +265,9 @@ std::vector<GasUptake> Conversion::uptakes(const PartView& w, const GasCells& ga
       if (!burns && !wets) continue;
       const SurroundingsOverTime& a = kind->job->around;
       const GasNear g = gas.near(i);
-      const double pressure = pressure_around(w, a);
       const double r = radius_of(w.rows, i), number = number_of(w.rows, i), surface = shown_[k_shown_surface][at];
-      const Film f = film_of(a.gas, a.law, 2 * r, g.slip, g.temperature, surface, pressure);
-      const double density = gas_density(0.5 * (g.temperature + surface), pressure, a.gas.molar);
+      const Film f = film_of(a.gas, a.law, 2 * r, g.slip, g.temperature, surface, g.pressure);
+      const double density = gas_density(0.5 * (g.temperature + surface), g.pressure, g.molar);
       const double through = number * (f.mass * g.film / f.heat) * (4 * det::k_pi * (r * r)) * density;
       if (burns)
         most[at].oxidant =

@@ -25,6 +25,8 @@ struct GasNear {
   double film = 0;               ///< coefficient without outflow [W/m2/K]; 0: there is none
   double slip = 0;               ///< speed past the grain, superficial [m/s]
   double steam = 0;              ///< mass fraction
+  double molar = 0;              ///< [kg/mol]; like the next of cells alone
+  double pressure = 0;           ///< [Pa]
   std::array<double, 3> kept{};  ///< fractions of O2, CO2, H2O that last until the end of the step
 };
 

@@ -342,12 +342,17 @@ class GasPart final : public Part, public GasCells {
 GasNear GasPart::near(Row i) const {
   const GasAtGrain a = row_of<GasAtGrain>(around_, i);
   const gas::ToGrains& f = gas_.fields();
-  GasNear n{0, a.film, a.slip, 0, {}};
+  GasNear n;
+  n.film = a.film, n.slip = a.slip;
+  double moles = 0;  // of a kilogram, times the gas constant
   shares_.each(i, [&](std::size_t c, double, double weight) {
     n.temperature += weight * f.temperature[c];
+    n.pressure += weight * f.pressure[c];
     n.steam += weight * f.fractions[c][GasMatter::k_taken[2]];
+    moles += weight * gas::specific_gas_constant(f.fractions[c]);
     matter_.add_kept(c, weight, n.kept);
   });
+  if (moles > 0) n.molar = gas::k_gas_constant / moles;
   return n;
 }
 

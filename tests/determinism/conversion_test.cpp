@@ -219,7 +219,8 @@ TEST(Conversion, AGrainDoesInTheBedWhatItDoesAlone) {
   const auto give = [&](conversion::BedIn c, double x) { in[static_cast<std::size_t>(8 * c)] = x; };
   using namespace conversion;
   give(k_in_gas, 1300), give(k_in_wall, 1400), give(k_in_sees, 1), give(k_in_velocity, 2), give(k_in_oxygen, 0.23);
-  give(k_in_film, -1);
+  give(k_in_film, -1), give(k_in_molar, job.around.molar_at(0));
+  give(k_in_pressure, 101325);
   double* at = row.data();
   GrainBatch b;
   b.grains = 1, b.row = &at, b.in = in.data(), b.out = out.data(), b.stride = 8, b.dt = 20 * s.dt;

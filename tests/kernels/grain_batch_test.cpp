@@ -69,6 +69,7 @@ struct Bed {
     auto at = reinterpret_cast<std::uintptr_t>(scratch.data());
     batch.scratch = reinterpret_cast<double*>((at + 63) / 64 * 64);
     set(k_in_gas, 300), set(k_in_wall, 300), set(k_in_film, -1), set(k_in_sees, 1);
+    set(k_in_molar, conversion::k_nitrogen.molar), set(k_in_pressure, 101325);
   }
   void set(BedIn column, double value, double more = 0) {
     for (std::size_t k = 0; k < row.size(); ++k)

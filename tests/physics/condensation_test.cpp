@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "core/conversion/film.hpp"
+#include "core/conversion/grain_file.hpp"
 #include "core/gas/species.hpp"
 #include "core/scene/scene_file.hpp"
 #include "tests/part_values.hpp"
@@ -41,8 +42,9 @@ std::string wood(const std::string& law, const std::string& more = "") {
 }
 
 /// Eight fixed grains of 300 K in a sealed cube of steam and nitrogen of 370 K, every other from a source of its own;
-/// heat, conversion and gas at every step.
-Scene box(double dt, const std::string& grain, double side = 0.02, int cells = 2) {
+/// heat, conversion and gas at every step. `gas`: another one; `start`: temperature of the grains [K].
+Scene box(double dt, const std::string& grain, double side = 0.02, int cells = 2,
+          const std::string& gas = "temperature = 370\nfractions = [0, 0, 0, 0.3, 0, 0, 0, 0.7]", double start = 300) {
   std::string rows[2] = {"x,y,z,diameter,fixed\n", "x,y,z,diameter,fixed\n"};
   const double at[2] = {side / 4 + 0.002 * (side > 0.015), 3 * side / 4 - 0.002 * (side > 0.015)};
   for (int k = 0; k < 8; ++k) rows[k % 2] += fmt::format("{},{},{},{},1\n", at[k % 2], at[k / 2 % 2], at[k / 4], k_d);
@@ -51,10 +53,11 @@ Scene box(double dt, const std::string& grain, double side = 0.02, int cells = 2
           "domain = {{ lower = [0, 0, 0], upper = [{0}, {0}, {0}] }}\ntime = {{ step = {1}, steps = 100000 }}\n"
           "checks = {{ allow_unstable_step = true }}\n[contact]\nnormal_stiffness = 1\nrestitution = 1\nfriction = 0\n"
           "[[source]]\nkind = \"file\"\nfile = \"{2}\"\n[[source]]\nkind = \"file\"\nfile = \"{3}\"\n[heat]\n"
-          "temperature = 300\nevery = 1\n[conversion]\nevery = 1\nshells = 5\nresize = false\n[gas]\n"
-          "cells = [{4}, {4}, {4}]\nevery = 1\nnusselt = \"wakao\"\ntemperature = 370\n"
-          "fractions = [0, 0, 0, 0.3, 0, 0, 0, 0.7]\n[[material]]\nname = \"m\"\ndensity = {5}\ngrain = \"{6}\"\n",
-          side, dt, file("0.csv", rows[0]), file("1.csv", rows[1]), cells, k_density, file("wood.toml", grain)),
+          "temperature = {8}\nevery = 1\n[conversion]\nevery = 1\nshells = 5\nresize = false\n[gas]\n"
+          "cells = [{4}, {4}, {4}]\nevery = 1\nnusselt = \"wakao\"\n{7}\n[[material]]\nname = \"m\"\n"
+          "density = {5}\ngrain = \"{6}\"\n",
+          side, dt, file("0.csv", rows[0]), file("1.csv", rows[1]), cells, k_density, file("wood.toml", grain), gas,
+          start),
       "dew", "/");
 }
 
@@ -99,7 +102,7 @@ TEST(Condensation, BeginsAtTheRateOfTheFilm) {
   const double h = 2 * gas::conductivity(k_moist, 370) / k_d;
   const double saturated = saturation(300);
   const double steam = gas::steam_pressure(k_moist, 101325);
-  const double rho = 101325 * conversion::k_nitrogen.molar / (8.31446261815324 * 335);
+  const double rho = 101325 / (gas::specific_gas_constant(k_moist) * 335);
   const double flux = f.mass * h / f.heat * rho * 0.3 * (1 - saturated / steam);
   const double wanted = 8 * 3.14159265358979324 * k_d * k_d * flux * dt;
   figure("condensation, first step", value_of(sim, "conversion.steam_taken") / wanted - 1, "of the film's rate");
@@ -131,6 +134,73 @@ TEST(Condensation, EndsWhereSteamIsSaturatedWhateverTheStep) {
       if (finest == 0) finest = got;
       EXPECT_NEAR(got, finest, 0.01 * finest) << dt;
     }
+  }
+}
+
+/// Gases from 2 to 44 g/mol, which the grain file calls nitrogen.
+struct Bath {
+  const char* name;
+  GasFractions y;
+  std::string text(double temperature) const {
+    std::string list;
+    for (const double x : y) list += fmt::format("{}{}", list.empty() ? "" : ", ", x);
+    return fmt::format("temperature = {}\nfractions = [{}]", temperature, list);
+  }
+};
+const Bath k_baths[] = {{"H2", {0.02, 0, 0, 0, 0.98, 0, 0, 0}},
+                        {"N2", {0.02, 0, 0, 0, 0, 0, 0, 0.98}},
+                        {"CO2", {0.02, 0.98, 0, 0, 0, 0, 0, 0}}};
+
+TEST(GasAroundGrains, DryingEndsWhereSteamIsSaturatedInEveryGas) {
+  for (const Bath& bath : k_baths) {
+    Simulation sim(box(0.1, wood("equilibrium"), 0.02, 2, bath.text(320), 330), RunOptions{});
+    sim.run(6000);
+    const double steam = value_of(sim, "conversion.released_H2O") - value_of(sim, "conversion.steam_taken");
+    const double T = value_of(sim, "gas.temperature_max"),
+                 pressure = steam * 8.31446261815324 / 0.01801528 * T / room(0.02);
+    figure("drying, end", pressure / saturation(T) - 1, fmt::format("of saturation at {:.2f} K in {}", T, bath.name));
+    EXPECT_GT(steam, 1e-7);
+    EXPECT_NEAR(value_of(sim, "heat.highest"), T, 1e-3) << bath.name << ": no heat goes round in circles";
+    EXPECT_NEAR(pressure, saturation(T), 1e-3 * saturation(T)) << bath.name;
+  }
+}
+
+TEST(GasAroundGrains, CharTakesOxygenByItsConcentrationInEveryGas) {
+  constexpr double k_rate = 0.01, dt = 1e-5, area = 3.14159265358979324 * k_d * k_d;  // [m/s], [s], [m2]
+  const std::string coal = fmt::format(
+      "[time]\nstep = 1\nduration = 1\n[grain]\ndiameter = {}\ntemperature = 1000\n[material]\ndensity = {}\n"
+      "initial = {{ char = 1 }}\nblowing = false\n[heat_capacity]\nfuel = 1500\n[conductivity]\nfuel = 5\n[[solid]]\n"
+      "name = \"char\"\nkind = \"char\"\ncomposition = {{ C = 1 }}\n[[char_reaction]]\nA = {}\nn = 0\nE = 0\n"
+      "ratio_A = 0\n[surroundings]\ngas = \"nitrogen\"\ntemperature = 1000\noxygen = 0.02\n",
+      k_d, k_density, k_rate);
+  for (const Bath& bath : k_baths) {
+    Simulation sim(box(dt, coal, 0.02, 2, bath.text(1000), 1000), RunOptions{});
+    sim.run(1);
+    const double rho = 101325 / (gas::specific_gas_constant(bath.y) * 1000);
+    const conversion::Film f =
+        conversion::film_of(conversion::k_nitrogen, conversion::FilmLaw::wakao, k_d, 0, 1000, 1000, 101325);
+    const double film = f.mass * (2 * gas::conductivity(bath.y, 1000) / k_d) / f.heat;
+    const double wanted = 8 * area * rho * 0.02 * dt / (1 / k_rate + 1 / film);
+    figure("char in " + std::string(bath.name), value_of(sim, "conversion.oxygen_taken") / wanted - 1, "of the rate");
+    EXPECT_NEAR(value_of(sim, "conversion.oxygen_taken"), wanted, 2e-3 * wanted) << bath.name;
+  }
+}
+
+TEST(GasAroundGrains, OfGivenFractionsIsTheMixture) {
+  using conversion::mixture_molar;
+  EXPECT_NEAR(mixture_molar(0, 0, 0.302, 0.028013), 1 / (0.302 / 0.018015 + 0.698 / 0.028013), 1e-12);
+  EXPECT_NEAR(mixture_molar(0.233, 0, 0, conversion::k_air.inert), conversion::k_air.molar, 2e-6);
+  const auto around = [](const std::string& surroundings) {
+    const std::string text = wood("equilibrium");
+    return conversion::parse_grain(text.substr(0, text.find("[surroundings]")) + "[surroundings]\n" + surroundings, "g")
+        .around;
+  };
+  // partial pressure of steam, whatever the rest is
+  for (const char* gas : {"air", "nitrogen"}) {
+    const auto a = around(fmt::format("gas = \"{}\"\ntemperature = 350\nsteam = 0.302\n", gas));
+    const double other = std::string(gas) == "air" ? 0.028965 : 0.028013,
+                 share = 0.302 / 0.018015 / (0.302 / 0.018015 + 0.698 / other);
+    EXPECT_NEAR(a.gas_at(0, 0.002, 350).vapour, share * 101325 * 0.018015 / (8.31446261815324 * 350), 1e-6) << gas;
   }
 }
 
