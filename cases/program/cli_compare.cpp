@@ -61,9 +61,37 @@ struct Comparison {
   std::vector<FieldDifference> fields;
 };
 
+/// Columns of parts (temperature, tracer) that both frames hold.
+std::vector<std::pair<const ExtraColumn*, const ExtraColumn*>> common_columns(const Frame& a, const Frame& b) {
+  std::vector<std::pair<const ExtraColumn*, const ExtraColumn*>> both;
+  for (const ExtraColumn& e : a.extra)
+    for (const ExtraColumn& f : b.extra)
+      if (e.name == f.name) both.emplace_back(&e, &f);
+  return both;
+}
+
+/// How bodies that are no spheres lie, which the places of their spheres do not always tell.
+FieldDifference compare_orientations(const Frame& a, const Frame& b) {
+  FieldDifference d{"orientation"};
+  for (std::size_t i = 0, j = 0; i < a.bodies.size() && j < b.bodies.size();) {
+    if (a.bodies[i].id != b.bodies[j].id) {
+      ++(a.bodies[i].id < b.bodies[j].id ? i : j);
+      continue;
+    }
+    bool counted = false;
+    for (std::size_t k = 0; k < 4; ++k)
+      note(d, a.bodies[i].id, a.bodies[i].orientation[k], b.bodies[j].orientation[k], counted);
+    ++i, ++j;
+  }
+  return d;
+}
+
 Comparison compare_frames(const Frame& a, const Frame& b) {
   Comparison c;
   c.fields = {{"position [m]"}, {"velocity [m/s]"}, {"spin [rad/s]"}, {"radius [m]"}, {"material"}};
+  const std::size_t own = c.fields.size();
+  const auto columns = common_columns(a, b);
+  for (const auto& [e, f] : columns) c.fields.push_back({e->name + (e->unit.empty() ? "" : " [" + e->unit + "]")});
   const bool spin = !a.w.empty() && !b.w.empty();
   const bool material = !a.material.empty() && !b.material.empty();
   const auto vector = [](FieldDifference& d, ParticleId id, Vec3 p, Vec3 q) {
@@ -93,8 +121,13 @@ Comparison compare_frames(const Frame& a, const Frame& b) {
     note(c.fields[3], id, a.r[i], b.r[j], counted);
     counted = false;
     if (material) note(c.fields[4], id, a.material[i], b.material[j], counted);
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      counted = false;
+      note(c.fields[own + k], id, columns[k].first->values[i], columns[k].second->values[j], counted);
+    }
     ++i, ++j;
   }
+  if (!a.bodies.empty() && !b.bodies.empty()) c.fields.push_back(compare_orientations(a, b));
   return c;
 }
 

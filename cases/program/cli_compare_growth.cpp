@@ -13,13 +13,28 @@
 namespace talus::cli {
 namespace {
 
-bool same_bits(Vec3 a, Vec3 b) {
-  for (int k = 0; k < 3; ++k)
-    if (std::bit_cast<std::uint64_t>(a[k]) != std::bit_cast<std::uint64_t>(b[k])) return false;
-  return true;
+bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
+bool same_bits(Vec3 a, Vec3 b) { return same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z); }
+
+/// Adds the columns of parts that other grains have alike and these do not.
+bool same_columns(const Frame& a, std::size_t i, const Frame& b, std::size_t j, std::vector<std::string>& others) {
+  bool same = true;
+  for (const ExtraColumn& e : a.extra)
+    for (const ExtraColumn& f : b.extra) {
+      if (e.name != f.name || same_bits(e.values[i], f.values[j])) continue;
+      same = false;
+      if (std::find(others.begin(), others.end(), e.name) == others.end()) others.push_back(e.name);
+    }
+  return same;
 }
 
-GrowthPoint compare_frames(const Frame& a, const Frame& b, const Box& box) {
+bool same_grain(const Frame& a, std::size_t i, const Frame& b, std::size_t j, std::vector<std::string>& others) {
+  const bool spins = a.w.empty() || b.w.empty() || same_bits(a.w[i], b.w[j]);
+  const bool columns = same_columns(a, i, b, j, others);
+  return same_bits(a.x[i], b.x[j]) && same_bits(a.v[i], b.v[j]) && same_bits(a.r[i], b.r[j]) && spins && columns;
+}
+
+GrowthPoint compare_frames(const Frame& a, const Frame& b, const Box& box, std::vector<std::string>& others) {
   GrowthPoint p;
   p.time = a.time;
   p.step_a = a.step;
@@ -36,7 +51,7 @@ GrowthPoint compare_frames(const Frame& a, const Frame& b, const Box& box) {
       continue;
     }
     ++p.common;
-    if (!same_bits(a.x[i], b.x[j]) || !same_bits(a.v[i], b.v[j])) {
+    if (!same_grain(a, i, b, j, others)) {
       ++p.different;
       if (p.first < 0) p.first = a.id[i];
     }
@@ -93,7 +108,7 @@ Growth compare_growth(const std::string& a, const std::string& b, const Domain& 
       if (g.radius == 0 && !fa.r.empty()) {
         for (const double r : fa.r) g.radius += r / static_cast<double>(fa.r.size());
       }
-      const GrowthPoint p = compare_frames(fa, fb, domain.box());
+      const GrowthPoint p = compare_frames(fa, fb, domain.box(), g.others);
       if (g.first_time < 0 && p.different + p.only_a + p.only_b > 0) g.first_time = p.time;
       if (g.horizon < 0 && g.radius > 0 && p.rms > g.radius) g.horizon = p.time;
       g.points.push_back(p);
@@ -110,6 +125,9 @@ std::string growth_text(const Growth& g) {
       fmt::format("frames: {} common ones, the first that differs at t = {:.6g} s\n", g.points.size(), g.first_time);
   text += fmt::format("  {:>12} {:>10} {:>10} {:>12} {:>12} {:>12}  {}\n", "t [s]", "common", "different", "rms [m]",
                       "max [m]", "rms v [m/s]", "first id");
+  std::string others;
+  for (const std::string& name : g.others) others += (others.empty() ? "" : ", ") + name;
+  if (!others.empty()) text += fmt::format("  also in the columns: {}\n", others);
   const std::size_t every = (g.points.size() + 23) / 24;
   for (std::size_t k = 0; k < g.points.size(); ++k) {
     const GrowthPoint& p = g.points[k];

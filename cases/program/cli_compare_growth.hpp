@@ -22,12 +22,13 @@ struct GrowthPoint {
 
 struct Growth {
   std::vector<GrowthPoint> points;
-  double radius = 0;       ///< mean radius [m]
-  double first_time = -1;  ///< of the first frame that differs in any bit; -1: none does
-  double rate = 0;         ///< of rms ~ exp(rate t) [1/s], fitted between the first difference and 0.1 radius
-  int fitted = 0;          ///< points in the fit; below 3 there is no rate
-  double quality = 0;      ///< R^2 of the fit
-  double horizon = -1;     ///< first time with rms > one radius; -1: not reached
+  std::vector<std::string> others;  ///< columns of parts (temperature, tracer) in which grains differ
+  double radius = 0;                ///< mean radius [m]
+  double first_time = -1;           ///< of the first frame that differs in any bit; -1: none does
+  double rate = 0;                  ///< of rms ~ exp(rate t) [1/s], fitted between the first difference and 0.1 radius
+  int fitted = 0;                   ///< points in the fit; below 3 there is no rate
+  double quality = 0;               ///< R^2 of the fit
+  double horizon = -1;              ///< first time with rms > one radius; -1: not reached
   bool equal() const noexcept { return first_time < 0; }
 };
 

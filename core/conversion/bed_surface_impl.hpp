@@ -151,10 +151,9 @@ template <class S>
 void Step<S>::fronts() {
   const B tiny = S::set(1e-300), one = S::set(1), zero = S::set(0), trace = S::set(50),
           sphere = S::set(12.566370614359172);
-  const B least_part = S::set(1e-60);  // products of three stay numbers
+  const B least_part = S::set(1e-60), per_pressure = one / in(k_in_pressure);  // products of three stay numbers
   const B density = gas_density<S>(S::set(0.5) * (in(k_in_gas) + surface_), in(k_in_pressure), in(k_in_molar));
   const B oxidant[3] = {density * in(k_in_oxygen), density * in(k_in_carbon_dioxide), density * in(k_in_steam)};
-  const B per_pressure = one / in(k_in_pressure);
   B way = one / most<S>(mass_film_ * area_, tiny), wet_open = one, char_open = one;
   const B cube = radius0_ * radius0_ * radius0_, per_fuel = S::set(m.per_fuel_density) / cube;
   const double *faces = cell(place_.face), *fuels = part(w_.before, 1), *coals = part(w_.before, 2);

@@ -55,6 +55,25 @@ TEST_F(Compare, DifferenceOfTwoFlightsIsTheKnownOneInEveryFrame) {
   EXPECT_NE(text.out.find("growth: rms ~ exp("), std::string::npos) << text.out;
 }
 
+TEST_F(Compare, ColumnsOfPartsCountAsTheGrainsDo) {
+  const std::string heat = "[heat]\ncapacity = 800\nconductivity = 1\ntemperature = ";
+  write("s1.csv", "x,y,z,radius,vx,vy,vz\n0.5,0.5,0.5,0.01,1,0,0\n0.2,0.2,0.2,0.01,0,0,0.1\n");
+  for (const std::string folder : {"a", "b"}) {
+    std::string text = flight(1);
+    text.replace(text.find("s1.000000.csv"), 13, "s1.csv");
+    write(folder + ".toml", text + heat + (folder == "a" ? "300\n" : "312.5\n"));
+    ASSERT_EQ(talus({"run", folder + ".toml", "--out", folder}).exit_code, 0);
+  }
+  const Result text = talus({"compare", "a", "b"}), json = talus({"compare", "a", "b", "--json"});
+  EXPECT_EQ(text.exit_code, 1);
+  EXPECT_NE(text.out.find("first difference: particle 0, temperature [K]"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("temperature [K] 2 particles differ, at most 1.250e+01"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("the first that differs at t = 0 s"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("also in the columns: temperature"), std::string::npos) << text.out;
+  EXPECT_EQ(json_value(json.out, "first_difference_field"), "temperature [K]");
+  EXPECT_EQ(talus({"compare", "a", "a"}).exit_code, 0);
+}
+
 TEST_F(Compare, RunsOfOtherStepsAreMatchedByTime) {
   flight_run("a", 1);
   flight_run("b", 1, {"--set", "time.step=5e-4", "--set", "time.steps=800"});

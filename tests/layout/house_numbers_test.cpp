@@ -113,8 +113,7 @@ struct Numbers {
   }
 };
 
-// Kernels: a loop over lanes is one text, whose values live in registers. Structs of plain data (what a file or a table
-// has in columns) may have more members than those that own state.
+// Structs of plain data (what a file or a table has in columns) may have more members than those that own state.
 TEST(House, LayersStaySmall) {
   std::printf("%-14s %7s %6s  longest function, largest struct, largest file\n", "", "lines", "> 400");
   int code = 0;
@@ -128,7 +127,7 @@ TEST(House, LayersStaySmall) {
     EXPECT_LE(n.over_400, std::string(folder) == "core" ? 1 : 0) << n.file.where;
     EXPECT_GT(n.structure.value, 10) << "the scanner sees something";
     EXPECT_GT(n.function.value, 30);
-    EXPECT_LE(n.function.value, std::string(folder) == "kernels" ? 215 : 60) << n.function.where;
+    EXPECT_LE(n.function.value, 60) << n.function.where;
     EXPECT_LE(n.structure.value, std::string(folder) == "scheduler" ? 25 : 70) << n.structure.where;
   }
   std::printf("%-14s %7d  lines of product code, without comments and blank lines\n", "", code);
