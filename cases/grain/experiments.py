@@ -93,12 +93,13 @@ def rmse(c, name, measured):
     return math.sqrt(sum(x * x for x in e) / len(e))
 
 
-def inside(c, name):
+def inside(c, name, late=0):
+    """Points within the band, and all; `late` [s]: were the clock of the measurement late."""
     times, a, b, margin = LU[name]
     n = total = 0
     for (t, x), (_, y) in zip(points(times, a), points(times, b)):
         total += 1
-        n += min(x, y) - margin <= at(c, name, t) <= max(x, y) + margin
+        n += min(x, y) - margin <= at(c, name, max(0, t - late)) <= max(x, y) + margin
     return n, total
 
 

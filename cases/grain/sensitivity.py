@@ -7,7 +7,7 @@ Values are those of other authors for wood or for this experiment, or bounds of 
 import argparse
 import os
 
-from experiments import HERE, HUANG, LU, huang, inside, run
+from experiments import HERE, HUANG, LU, at, huang, inside, run
 
 SCHEMES = ("chan", "thurner_mann", "di_blasi", "di_blasi_branca", "wagenaar", "font", "liden")
 HARDWOOD = "{ CELL = 0.4229, XYHW = 0.1830, LIGO = 0.1759, LIGH = 0.0364, LIGC = 0.0081, TANN = 0.0362, TGL = 0.0245 }"
@@ -64,6 +64,13 @@ def main():
         n = [inside(c, k) for k in LU]
         print(f"| {name} | " + " | ".join(f"{a} of {b}" for a, b in n) + f" | {100 * sum(a for a, _ in n) / sum(b for _, b in n):.0f} % |",
               flush=True)
+
+    c = run(talus, "lu")
+    for late in (1, 2, 3, 4):
+        n = [inside(c, k, late) for k in LU]
+        print(f"clock {late} s late: {100 * sum(a for a, _ in n) / sum(b for _, b in n):.0f} %")
+    for shells in (20, 30, 60):
+        print(f"{shells} shells: core at 40 s {at(run(talus, 'lu', (('shells', shells),)), 'centre_temperature', 40):.0f} K", flush=True)
 
 
 if __name__ == "__main__":

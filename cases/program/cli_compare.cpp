@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -42,8 +41,6 @@ struct FieldDifference {
   ParticleId first = -1, worst = -1;
 };
 
-bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
-
 void note(FieldDifference& d, ParticleId id, double a, double b, bool& counted) {
   if (same_bits(a, b)) return;
   if (!counted) ++d.count;
@@ -60,15 +57,6 @@ struct Comparison {
   ParticleId first_only = -1;
   std::vector<FieldDifference> fields;
 };
-
-/// Columns of parts (temperature, tracer) that both frames hold.
-std::vector<std::pair<const ExtraColumn*, const ExtraColumn*>> common_columns(const Frame& a, const Frame& b) {
-  std::vector<std::pair<const ExtraColumn*, const ExtraColumn*>> both;
-  for (const ExtraColumn& e : a.extra)
-    for (const ExtraColumn& f : b.extra)
-      if (e.name == f.name) both.emplace_back(&e, &f);
-  return both;
-}
 
 /// How bodies that are no spheres lie, which the places of their spheres do not always tell.
 FieldDifference compare_orientations(const Frame& a, const Frame& b) {
@@ -90,7 +78,7 @@ Comparison compare_frames(const Frame& a, const Frame& b) {
   Comparison c;
   c.fields = {{"position [m]"}, {"velocity [m/s]"}, {"spin [rad/s]"}, {"radius [m]"}, {"material"}};
   const std::size_t own = c.fields.size();
-  const auto columns = common_columns(a, b);
+  const ColumnPairs columns = common_columns(a, b);
   for (const auto& [e, f] : columns) c.fields.push_back({e->name + (e->unit.empty() ? "" : " [" + e->unit + "]")});
   const bool spin = !a.w.empty() && !b.w.empty();
   const bool material = !a.material.empty() && !b.material.empty();

@@ -11,30 +11,59 @@
 #include "core/io/particle_frames.hpp"
 
 namespace talus::cli {
+bool same_bits(double a, double b) noexcept {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+ColumnPairs common_columns(const Frame& a, const Frame& b) {
+  ColumnPairs both;
+  for (const ExtraColumn& e : a.extra)
+    for (const ExtraColumn& f : b.extra)
+      if (e.name == f.name) both.emplace_back(&e, &f);
+  return both;
+}
+
 namespace {
 
-bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
-bool same_bits(Vec3 a, Vec3 b) { return same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z); }
+bool same_bits(Vec3 a, Vec3 b) {
+  return cli::same_bits(a.x, b.x) && cli::same_bits(a.y, b.y) && cli::same_bits(a.z, b.z);
+}
 
-/// Adds the columns of parts that other grains have alike and these do not.
-bool same_columns(const Frame& a, std::size_t i, const Frame& b, std::size_t j, std::vector<std::string>& others) {
+/// The body whose first sphere is particle `id`; frames have their bodies in id order.
+const BodyRecord* body_of(const Frame& f, ParticleId id) {
+  const auto at = std::lower_bound(f.bodies.begin(), f.bodies.end(), id,
+                                   [](const BodyRecord& b, ParticleId wanted) { return b.id < wanted; });
+  return at != f.bodies.end() && at->id == id ? &*at : nullptr;
+}
+
+/// Where one frame does not tell how bodies lie, they lie alike.
+bool lie_alike(const Frame& a, const Frame& b, ParticleId id) {
+  const BodyRecord *p = body_of(a, id), *q = body_of(b, id);
+  if (p == nullptr || q == nullptr) return true;
+  for (std::size_t k = 0; k < 4; ++k)
+    if (!cli::same_bits(p->orientation[k], q->orientation[k])) return false;
+  return true;
+}
+
+/// Adds the names of the columns in which the grains differ.
+bool same_columns(const ColumnPairs& columns, std::size_t i, std::size_t j, std::vector<std::string>& others) {
   bool same = true;
-  for (const ExtraColumn& e : a.extra)
-    for (const ExtraColumn& f : b.extra) {
-      if (e.name != f.name || same_bits(e.values[i], f.values[j])) continue;
-      same = false;
-      if (std::find(others.begin(), others.end(), e.name) == others.end()) others.push_back(e.name);
-    }
+  for (const auto& [e, f] : columns) {
+    if (cli::same_bits(e->values[i], f->values[j])) continue;
+    same = false;
+    if (std::find(others.begin(), others.end(), e->name) == others.end()) others.push_back(e->name);
+  }
   return same;
 }
 
-bool same_grain(const Frame& a, std::size_t i, const Frame& b, std::size_t j, std::vector<std::string>& others) {
+bool same_grain(const Frame& a, std::size_t i, const Frame& b, std::size_t j) {
   const bool spins = a.w.empty() || b.w.empty() || same_bits(a.w[i], b.w[j]);
-  const bool columns = same_columns(a, i, b, j, others);
-  return same_bits(a.x[i], b.x[j]) && same_bits(a.v[i], b.v[j]) && same_bits(a.r[i], b.r[j]) && spins && columns;
+  return same_bits(a.x[i], b.x[j]) && same_bits(a.v[i], b.v[j]) && cli::same_bits(a.r[i], b.r[j]) && spins &&
+         lie_alike(a, b, a.id[i]);
 }
 
 GrowthPoint compare_frames(const Frame& a, const Frame& b, const Box& box, std::vector<std::string>& others) {
+  const ColumnPairs columns = common_columns(a, b);
   GrowthPoint p;
   p.time = a.time;
   p.step_a = a.step;
@@ -51,7 +80,7 @@ GrowthPoint compare_frames(const Frame& a, const Frame& b, const Box& box, std::
       continue;
     }
     ++p.common;
-    if (!same_grain(a, i, b, j, others)) {
+    if (const bool alike = same_columns(columns, i, j, others); !alike || !same_grain(a, i, b, j)) {
       ++p.different;
       if (p.first < 0) p.first = a.id[i];
     }

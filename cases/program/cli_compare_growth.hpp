@@ -4,12 +4,18 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/frame/frame.hpp"
 #include "core/scene/scene.hpp"
 
 namespace talus::cli {
+
+bool same_bits(double a, double b) noexcept;
+/// Columns of parts (temperature, tracer) that both frames hold.
+using ColumnPairs = std::vector<std::pair<const ExtraColumn*, const ExtraColumn*>>;
+ColumnPairs common_columns(const Frame& a, const Frame& b);
 
 struct GrowthPoint {
   double time = 0;  ///< [s]

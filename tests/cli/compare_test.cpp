@@ -74,6 +74,24 @@ TEST_F(Compare, ColumnsOfPartsCountAsTheGrainsDo) {
   EXPECT_EQ(talus({"compare", "a", "a"}).exit_code, 0);
 }
 
+TEST_F(Compare, BodiesThatLieOtherwiseDiffer) {
+  const std::string shape = "[[shape]]\nname = \"pill\"\nkind = \"superquadric\"\nsemi_axes = [0.02, 0.02, 0.01]\n";
+  for (const std::string folder : {"a", "b"}) {
+    write("s1.csv", std::string("x,y,z,radius,vx,vy,vz,shape,scale,qw,qx,qy,qz\n0.5,0.5,0.5,0,1,0,0,pill,1,") +
+                        (folder == "a" ? "1,0,0,0\n" : "0.6,0.8,0,0\n"));
+    std::string text = flight(1);
+    text.replace(text.find("s1.000000.csv"), 13, "s1.csv");
+    write(folder + ".toml", text + shape);
+    const Result r = talus({"run", folder + ".toml", "--out", folder});
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+  }
+  const Result r = talus({"compare", "a", "b"});
+  EXPECT_EQ(r.exit_code, 1);
+  EXPECT_NE(r.out.find("first difference: particle 0, orientation"), std::string::npos) << r.out;
+  EXPECT_NE(r.out.find("the first that differs at t = 0 s"), std::string::npos) << r.out;
+  EXPECT_EQ(talus({"compare", "a", "a"}).exit_code, 0);
+}
+
 TEST_F(Compare, RunsOfOtherStepsAreMatchedByTime) {
   flight_run("a", 1);
   flight_run("b", 1, {"--set", "time.step=5e-4", "--set", "time.steps=800"});
